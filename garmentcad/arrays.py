@@ -1,0 +1,134 @@
+"""The one door between Python and compiled kernels: types, the kernel decorators, and the cache that notices changed callees.
+
+Types are cast once, here (`floats`, `indices`); kernels take C-contiguous float64 and int32 arrays and write into their last arguments.
+Numba's disk cache looks only at the file that holds a function; `_ClosureLocator` stamps a function with its file and every garmentcad
+file that this file imports, so that an edited callee recompiles its callers and nothing else.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numba.core import caching
+
+_PACKAGE = Path(__file__).resolve().parent
+_IMPORT = re.compile(r"^\s*from\s+(garmentcad[\w.]*)\s+import\s+\(?([^()\n#]*(?:\([^)]*\))?)|^\s*import\s+(garmentcad[\w.]*)", re.MULTILINE)
+
+
+def _module_file(module: str) -> Path | None:
+    path = _PACKAGE.parent.joinpath(*module.split("."))
+    for candidate in (path.with_suffix(".py"), path / "__init__.py"):
+        if candidate.is_file():
+            return candidate
+    return None
+
+
+@lru_cache(maxsize=None)
+def _imports(file: Path) -> tuple[Path, ...]:
+    found = []
+    for base, names, plain in _IMPORT.findall(file.read_text(encoding="utf-8")):
+        modules = [plain] if plain else [base, *(f"{base}.{name.split()[0]}" for name in names.split(",") if name.strip())]
+        found += [path for path in map(_module_file, modules) if path is not None]
+    return tuple(found)
+
+
+@lru_cache(maxsize=None)
+def _closure_stamp(file: Path) -> str:
+    seen: set[Path] = set()
+    todo = [file, Path(__file__).resolve()]
+    while todo:
+        path = todo.pop()
+        if path not in seen:
+            seen.add(path)
+            todo += _imports(path)
+    digest = hashlib.sha256()
+    for path in sorted(seen):
+        digest.update(str(path.relative_to(_PACKAGE)).encode() + path.read_bytes())
+    return digest.hexdigest()
+
+
+def cache_folder() -> Path:
+    """Folder of the compiled kernels: $NUMBA_CACHE_DIR, or garmentcad/ in the user's cache folder."""
+    chosen = os.environ.get("NUMBA_CACHE_DIR")
+    base = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
+    return Path(chosen) if chosen else Path(base) / "garmentcad" / "kernels"
+
+
+class _ClosureLocator(caching._CacheLocator):
+    """Numba cache locator for the files of this package; its stamp covers all garmentcad files that a kernel file can call."""
+
+    def __init__(self, py_func: Any, py_file: str) -> None:
+        self._file = Path(py_file).resolve()
+        self._line = py_func.__code__.co_firstlineno
+        name = str(self._file.relative_to(_PACKAGE).with_suffix("")).replace(os.sep, ".")
+        self._folder = cache_folder() / hashlib.sha256(str(_PACKAGE).encode()).hexdigest()[:12] / name
+
+    def get_cache_path(self) -> str:
+        return str(self._folder)
+
+    def get_source_stamp(self) -> str:
+        return _closure_stamp(self._file)
+
+    def get_disambiguator(self) -> str:
+        return str(self._line)
+
+    @classmethod
+    def from_function(cls, py_func: Any, py_file: str) -> _ClosureLocator | None:
+        if not Path(py_file).resolve().is_relative_to(_PACKAGE):
+            return None
+        locator = cls(py_func, py_file)
+        try:
+            locator.ensure_cache_path()
+        except OSError:  # a read-only home: numba's own locators decide
+            return None
+        return locator
+
+
+caching.CacheImpl._locator_classes.insert(0, _ClosureLocator)
+
+# Strict floating point but for two rewrites that keep bits equal between thread counts (DESIGN section 3).
+_OPTIONS: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy", "fastmath": {"contract", "arcp"}}
+
+
+def kernel(function: Any) -> Any:
+    """Compile a kernel that runs on one thread (also the way to write scalar laws that other kernels call)."""
+    return njit(**_OPTIONS)(function)
+
+
+def parallel_kernel(function: Any) -> Any:
+    """Compile a kernel with `prange`. Gather only: each iteration writes its own outputs; no reductions."""
+    return njit(parallel=True, **_OPTIONS)(function)
+
+
+def floats(values: Any) -> np.ndarray:
+    """C-contiguous float64 array of `values`."""
+    return np.ascontiguousarray(values, dtype=np.float64)
+
+
+def indices(values: Any) -> np.ndarray:
+    """C-contiguous int32 array of `values`."""
+    return np.ascontiguousarray(values, dtype=np.int32)
+
+
+def frozen(array: np.ndarray) -> np.ndarray:
+    """The same array, read-only."""
+    array.setflags(write=False)
+    return array
+
+
+def rows_by_key(keys: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Compressed rows: for each key 0..count-1 the positions in `keys` (K,) where it stands, in rising order.
+
+    Returns starts (count+1,) and items (K,) int32: row k is items[starts[k]:starts[k+1]].
+    """
+    items = np.argsort(keys, kind="stable")
+    starts = np.zeros(count + 1, dtype=np.int64)
+    np.cumsum(np.bincount(keys, minlength=count), out=starts[1:])
+    return indices(starts), indices(items)

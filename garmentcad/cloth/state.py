@@ -1,0 +1,35 @@
+"""State: everything of a simulation that changes. A checkpoint is one State; a run resumed from it ends in the same bits."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass, field
+
+import numpy as np
+
+
+@dataclass
+class State:
+    """positions, velocities: (P,3) m, m/s. friction: sliders of internal friction by law name (empty while the laws are elastic).
+
+    contact: arrays of the detection clock and the candidate lists, by contact name; owned by the contacts, kept here so that a resumed run needs no
+    extra detection. work_j: work done so far by friction, damping. phase and rest: bookkeeping of the run (names in simulation/).
+    """
+
+    positions: np.ndarray
+    velocities: np.ndarray
+    time_s: float = 0.0
+    step: int = 0
+    time_step_s: float = 0.0
+    phase: str = "start"
+    friction: dict[str, np.ndarray] = field(default_factory=dict)
+    contact: dict[str, np.ndarray] = field(default_factory=dict)
+    run: dict[str, float] = field(default_factory=dict)
+    work_j: dict[str, float] = field(default_factory=lambda: {"friction": 0.0, "damping": 0.0})
+
+    def sha256(self) -> str:
+        """Hash of the bits of positions, velocities and internal friction."""
+        digest = hashlib.sha256()
+        for array in (self.positions, self.velocities, *(self.friction[key] for key in sorted(self.friction))):
+            digest.update(np.ascontiguousarray(array, dtype="<f8").tobytes())
+        return digest.hexdigest()

@@ -1,0 +1,58 @@
+"""Every error that garmentcad raises on purpose. The root is also a builtin, so that `except ValueError` works for bad input.
+
+A message says what came, where (file and key path), and what is allowed.
+"""
+
+from __future__ import annotations
+
+
+class GarmentError(Exception):
+    """Root of all errors raised on purpose."""
+
+
+class InputError(GarmentError, ValueError):
+    """Something the user gave is refused.
+
+    message: what came and what is allowed; file: path as the user wrote it; key: dotted key path inside the file.
+    """
+
+    def __init__(self, message: str, *, file: str | None = None, key: str | None = None) -> None:
+        self.message, self.file, self.key = message, file, key
+        where = ": ".join(part for part in (file, key) if part)
+        super().__init__(f"{where}: {message}" if where else message)
+
+
+class SpecError(InputError):
+    """A garment spec, or the pattern drafted from it, is refused."""
+
+
+class ExpressionError(InputError):
+    """An expression in a spec cannot be parsed or evaluated."""
+
+
+class FabricError(InputError):
+    """A KES sheet is refused."""
+
+
+class MannequinError(InputError):
+    """A mannequin, its measurements or a body scan is refused."""
+
+
+class MeshError(InputError):
+    """A mesh file is refused."""
+
+
+class FileError(InputError):
+    """A file cannot be read, is too large, or lies outside the folder that may refer to it."""
+
+
+class LimitError(InputError):
+    """The work asked for is larger than a cap; the message names the number and the cap."""
+
+
+class TangledError(InputError):
+    """A start position intersects itself or the mannequin; the message lists the pairs."""
+
+
+class CheckpointError(InputError):
+    """A checkpoint is torn, or belongs to another spec or version."""

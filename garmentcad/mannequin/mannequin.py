@@ -1,0 +1,41 @@
+"""A mannequin: closed body surface, measurements, landmarks and arrangement cylinders. World frame of DESIGN section 3 (metres, y up, +z front, +x wearer's left)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class ArrangementCylinder:
+    """Elliptic cylinder around a body part, on which panels are wrapped.
+
+    A point at angle t [rad] and height s [m] is  origin + s up + radius_ref cos(t) ref + radius_side sin(t) (up x ref).
+    torso and legs: `up` is +y, origin on the floor (heights are heights above the floor), ref = +z (angle 0 is the front, 90 degrees the wearer's left).
+    arms: `up` points from wrist to shoulder, origin at the shoulder joint (heights are negative toward the wrist), ref points outward, away from the torso.
+    """
+
+    origin: np.ndarray  # (3,) m
+    up: np.ndarray  # (3,) unit
+    ref: np.ndarray  # (3,) unit, perpendicular to up
+    radius_ref: float  # m
+    radius_side: float  # m
+
+
+@dataclass(frozen=True)
+class Mannequin:
+    """A body. `faces` are counter-clockwise seen from outside; the surface is closed.
+
+    measurements_mm: girths, lengths and `*_height` (above the floor) under DESIGN's names; landmarks: points on or in the body, m;
+    cylinders: torso, arm_left, arm_right, leg_left, leg_right; face_part: index into part_names for each face (the torso alone is taped).
+    """
+
+    name: str
+    vertices: np.ndarray  # (V,3) m
+    faces: np.ndarray  # (F,3) int32
+    measurements_mm: dict[str, float]
+    landmarks: dict[str, np.ndarray]
+    cylinders: dict[str, ArrangementCylinder]
+    part_names: tuple[str, ...]
+    face_part: np.ndarray  # (F,) int32

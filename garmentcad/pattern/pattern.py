@@ -1,0 +1,116 @@
+"""Pattern: a garment with every expression evaluated, mirror unfolded and darts cut in. Millimetres and degrees. Made by `draft`, read by all others."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from garmentcad.geometry.curve import Curve
+
+
+@dataclass(frozen=True)
+class Edge:
+    """One stretch of an outline between two named points. `piece` counts the parts into which darts cut an edge (0 for an uncut one).
+
+    notches: arc-length fractions of this piece; dart: name of the dart whose leg this is, or None.
+    """
+
+    name: str
+    start: str
+    end: str
+    curve: Curve
+    piece: int = 0
+    role: str | None = None
+    seam_allowance_mm: float = 10.0
+    notches: tuple[tuple[str, float], ...] = ()
+    dart: str | None = None
+
+
+@dataclass(frozen=True)
+class Region:
+    """Named area (polygon, panel mm) whose fabric differs: factors on KES values, or another fabric, or a fused interfacing."""
+
+    name: str
+    polygon_mm: np.ndarray  # (N,2)
+    factors: dict[str, float] = field(default_factory=dict)
+    fabric: str | None = None
+    interfacing: str | None = None
+
+
+@dataclass(frozen=True)
+class Wrap:
+    """Panel wrapped on an arrangement cylinder: the panel point `anchor_mm` goes to (angle, height); panel +x runs toward rising angle (to the right seen from
+    outside), panel +y along `up`. The radii of the cylinder are enlarged by `offset_mm` and multiplied by `scale`; `turn_deg` turns the panel about its anchor
+    first (counter-clockwise). flare_deg > 0 wraps on a cone that widens downward, whose radius at the anchor's height is the mean radius of the enlarged
+    cylinder: `flare` = half apex angle; then the panel's polar coordinates about `apex` of the cone become angle and slant height."""
+
+    part: str
+    anchor_mm: tuple[float, float]
+    angle_deg: float
+    height_mm: float
+    offset_mm: float = 30.0
+    scale: float = 1.0
+    turn_deg: float = 0.0
+    flare_deg: float = 0.0
+
+
+@dataclass(frozen=True)
+class Transform:
+    """Panel laid flat in space: x_world = R (u, v, 0) + t; rotation is extrinsic about x, then y, then z (degrees)."""
+
+    translation_mm: tuple[float, float, float]
+    rotation_deg: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Panel:
+    """A panel. `edges` is a closed counter-clockwise loop seen on the right side of the fabric; `holes` are clockwise loops."""
+
+    name: str
+    edges: tuple[Edge, ...]
+    grain_deg: float  # direction of the warp, counter-clockwise from panel +y
+    placement: Wrap | Transform
+    fabric: str | None = None
+    layer: int = 0
+    quantity: int = 1
+    holes: tuple[tuple[Edge, ...], ...] = ()
+    regions: tuple[Region, ...] = ()
+    internal_lines: dict[str, np.ndarray] = field(default_factory=dict)  # name -> (N,2) mm
+    drill_holes: dict[str, tuple[float, float]] = field(default_factory=dict)
+    points: dict[str, tuple[float, float]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class EdgeUse:
+    """One edge piece as a seam runs over it; `reverse` is True where the seam runs against the outline."""
+
+    panel: str
+    edge: int  # index into Panel.edges
+    reverse: bool
+
+
+@dataclass(frozen=True)
+class Seam:
+    """Side a is sewn to side b, the first point of a to the first of b. ease: length of a over length of b minus 1, as intended."""
+
+    name: str
+    a: tuple[EdgeUse, ...]
+    b: tuple[EdgeUse, ...]
+    ease: float = 0.0
+    fold_angle_deg: float = 0.0
+    bend_factor: float = 2.0
+    strength_n_m: float | None = None
+
+
+@dataclass(frozen=True)
+class Pattern:
+    """A drafted garment. `values` are the evaluated parameters; `measurements_mm` the body it was drafted for."""
+
+    name: str
+    panels: dict[str, Panel]
+    seams: tuple[Seam, ...]
+    fabric: str
+    mannequin: str
+    values: dict[str, float]
+    measurements_mm: dict[str, float]
