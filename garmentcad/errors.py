@@ -5,6 +5,9 @@ A message says what came, where (file and key path), and what is allowed.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from difflib import get_close_matches
+
 
 class GarmentError(Exception):
     """Root of all errors raised on purpose."""
@@ -56,3 +59,11 @@ class TangledError(InputError):
 
 class CheckpointError(InputError):
     """A checkpoint is torn, or belongs to another spec or version."""
+
+
+def did_you_mean(word: str, allowed: Iterable[str]) -> str:
+    """The end of a message about an unknown name: `; did you mean 'x'?` where one is close, then the names that are allowed (at most 40)."""
+    names = sorted(allowed)
+    near = get_close_matches(word[:100], names, n=1)
+    listed = ", ".join(names[:40]) + (f", ... ({len(names)} in all)" if len(names) > 40 else "")
+    return (f"; did you mean {near[0]!r}?" if near else ".") + (f" Allowed: {listed}" if names else " There are none to choose from")

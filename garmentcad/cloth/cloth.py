@@ -7,7 +7,7 @@ a particle shared by two panels is no special case.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -38,8 +38,8 @@ class Cells(NamedTuple):
 class BorderTriangles(NamedTuple):
     """Triangles of the strip between full cells and contour. Warp vector = sum_k warp_gradient[k] x[k] (unit length at rest), weft vector alike.
 
-    Warp and weft strain are averaged over the triangles around a vertex (its patch): e_p = sum(A e)/sum(A), energy sum_p A_p f(e_p), A_p = sum(A)/3.
-    A patch belongs to one panel vertex and is not merged by welding.
+    Warp and weft strain are averaged over a patch, the triangles around a lattice vertex or two neighbouring contour vertices: e_p = sum(A e)/sum(A), energy sum_p A_p f(e_p), A_p = sum(A)/3.
+    A patch belongs to one panel and is not merged by welding.
     """
 
     corners: np.ndarray  # (T,3) int32 particles
@@ -110,6 +110,8 @@ class Cloth:
     stitch_seam: np.ndarray  # (S,) int32
     seam_names: tuple[str, ...]
     edge_vertices: dict[str, np.ndarray]  # "panel.edge" -> vertices along the edge in outline order, both ends included
+    seam_fold: np.ndarray = field(default_factory=lambda: np.zeros(0))  # (seams,) rad, rest angle of the hinges that welding makes
+    seam_bend_factor: np.ndarray = field(default_factory=lambda: np.zeros(0))  # (seams,)
 
     @property
     def particle_triangles(self) -> np.ndarray:

@@ -12,6 +12,7 @@ import numpy as np
 class State:
     """positions, velocities: (P,3) m, m/s. friction: sliders of internal friction by law name (empty while the laws are elastic).
 
+    constraint_speeds: (R,3) m/s, what the constraints demand of their gaps at this moment.
     contact: arrays of the detection clock and the candidate lists, by contact name; owned by the contacts, kept here so that a resumed run needs no
     extra detection. work_j: work done so far by friction, damping. phase and rest: bookkeeping of the run (names in simulation/).
     """
@@ -22,6 +23,7 @@ class State:
     step: int = 0
     time_step_s: float = 0.0
     phase: str = "start"
+    constraint_speeds: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
     friction: dict[str, np.ndarray] = field(default_factory=dict)
     contact: dict[str, np.ndarray] = field(default_factory=dict)
     run: dict[str, float] = field(default_factory=dict)

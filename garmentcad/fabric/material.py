@@ -2,9 +2,22 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
+
+from garmentcad.arrays import floats
+from garmentcad.errors import FabricError
+from garmentcad.fabric.law_tension import initial_slope, solve_exponent, strain_at_force
+from garmentcad.fabric.quantity import quantity_of
+from garmentcad.fabric.sheet import KesSheet, is_calibrated
+from garmentcad.units import GF_CM2_CM_TO_N_M, GF_CM_DEG_TO_N_M_RAD, GF_CM_TO_N_M, MG_CM2_TO_KG_M2, MM_TO_M
+
+BODY_FRICTION = 1.0  # times MIU; both factors are estimates: MIU is measured against a steel wire
+CLOTH_FRICTION = 1.3
+STRAIN_LIMIT_FORCE = 1.5  # times Fm
 
 
 class MaterialTable(NamedTuple):
@@ -14,6 +27,7 @@ class MaterialTable(NamedTuple):
     tension_strain: np.ndarray  # (M,2) em = EMT/100 at Fm
     tension_force: np.ndarray  # (M,2) Fm, N/m
     tension_exponent: np.ndarray  # (M,2) x of F = Fm (exp(x u) - 1)/(exp(x) - 1), u = e/em; 0 is linear
+    tension_slope: np.ndarray  # (M,2) initial slope of that curve, N/m: law_tension.initial_slope
     strain_limit: np.ndarray  # (M,2) strain at 1.5 Fm
     shear: np.ndarray  # (M,) N/m per rad
     bending: np.ndarray  # (M,2) N.m
@@ -21,3 +35,73 @@ class MaterialTable(NamedTuple):
     thickness: np.ndarray  # (M,) T0, m
     friction_body: np.ndarray  # (M,) fabric on body
     friction_cloth: np.ndarray  # (M,) fabric on fabric
+
+
+class MaterialRow(NamedTuple):
+    """One row of the material table; pairs are (warp, weft). Units as in `MaterialTable`."""
+
+    areal_mass: float
+    tension_strain: tuple[float, float]
+    tension_force: tuple[float, float]
+    tension_exponent: tuple[float, float]
+    tension_slope: tuple[float, float]
+    strain_limit: tuple[float, float]
+    shear: float
+    bending: tuple[float, float]
+    twist: float
+    thickness: float
+    friction_body: float
+    friction_cloth: float
+
+
+def material_row(sheet: KesSheet, factors: Mapping[str, float] | None = None) -> MaterialRow:
+    """Law values of a completed sheet (calibrated ones where it carries them), each KES value times its factor.
+
+    factors: by KES name for all directions (`B`) or one of them (`B.warp`); both multiply. FabricError for an unknown name, a factor that is not a
+    finite number above 0, or a sheet with a gap.
+    """
+    factors = factors or {}
+    for key, factor in factors.items():
+        quantity_of(key)
+        if isinstance(factor, bool) or not isinstance(factor, int | float) or not (math.isfinite(factor) and factor > 0.0):
+            raise FabricError(f"factor {factor!r}; a finite number above 0 is allowed", key=f"factors.{key}")
+    calibrated = sheet.law.values if sheet.law is not None and is_calibrated(sheet) else {}
+
+    def value(key: str) -> float:
+        number = calibrated.get(key, sheet.number(key))
+        if "." in key:
+            number *= factors.get(key.partition(".")[0], 1.0)
+        return number * factors.get(key, 1.0)
+
+    def both(name: str) -> tuple[float, float]:
+        return value(f"{name}.warp"), value(f"{name}.weft")
+
+    force = value("Fm") * GF_CM_TO_N_M
+    strain_warp, strain_weft = (percent / 100.0 for percent in both("EMT"))
+    exponent_warp, exponent_weft = (solve_exponent(linearity) for linearity in both("LT"))
+    bend_warp, bend_weft = (stiffness * GF_CM2_CM_TO_N_M for stiffness in both("B"))
+    shear_warp, shear_weft = both("G")
+    return MaterialRow(
+        areal_mass=value("W") * MG_CM2_TO_KG_M2,
+        tension_strain=(strain_warp, strain_weft),
+        tension_force=(force, force),
+        tension_exponent=(exponent_warp, exponent_weft),
+        tension_slope=(float(initial_slope(strain_warp, force, exponent_warp)), float(initial_slope(strain_weft, force, exponent_weft))),
+        strain_limit=(
+            strain_at_force(STRAIN_LIMIT_FORCE * force, strain_warp, force, exponent_warp),
+            strain_at_force(STRAIN_LIMIT_FORCE * force, strain_weft, force, exponent_weft),
+        ),
+        shear=0.5 * (shear_warp + shear_weft) * GF_CM_DEG_TO_N_M_RAD,
+        bending=(bend_warp, bend_weft),
+        twist=max(0.0, value("B.bias") * GF_CM2_CM_TO_N_M - 0.25 * (bend_warp + bend_weft)),
+        thickness=value("T0") * MM_TO_M,
+        friction_body=value("MIU.mean") * BODY_FRICTION,
+        friction_cloth=value("MIU.mean") * CLOTH_FRICTION,
+    )
+
+
+def material_table(rows: Sequence[MaterialRow]) -> MaterialTable:
+    """Rows as arrays for kernels, in the order given. FabricError for no rows."""
+    if not rows:
+        raise FabricError("a material table needs at least one row")
+    return MaterialTable(*(floats(column) for column in zip(*rows, strict=True)))

@@ -1,4 +1,7 @@
-"""A mannequin: closed body surface, measurements, landmarks and arrangement cylinders. World frame of DESIGN section 3 (metres, y up, +z front, +x wearer's left)."""
+"""A mannequin: closed body surface, measurements, landmarks and arrangement cylinders.
+
+World frame of DESIGN section 3 (metres, y up, +z front, +x wearer's left).
+"""
 
 from __future__ import annotations
 
@@ -39,3 +42,4 @@ class Mannequin:
     cylinders: dict[str, ArrangementCylinder]
     part_names: tuple[str, ...]
     face_part: np.ndarray  # (F,) int32
+    estimated: tuple[str, ...] = ()  # measurements and landmarks that were not found on this body but taken from a table or from proportions

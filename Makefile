@@ -1,0 +1,35 @@
+# make demo, make test: everything else is for those who work on garmentcad.
+VENV ?= .venv
+PYTHON ?= python3
+BIN := $(VENV)/bin
+DEMO_GARMENT ?= flared-skirt
+DEMO_OPTIONS ?=
+DEMO_FOLDER ?= out/demo
+
+.PHONY: demo test lint study clean
+
+demo: $(VENV)/.installed
+	@$(BIN)/garmentcad drape $(DEMO_GARMENT) -o $(DEMO_FOLDER) $(DEMO_OPTIONS)
+	@echo "installation took $$(cat $(VENV)/.installed) s when the environment was made"
+
+test: $(VENV)/.installed
+	$(BIN)/ruff check garmentcad tests tools
+	$(BIN)/mypy garmentcad
+	$(BIN)/python -m pytest
+
+lint: $(VENV)/.installed
+	$(BIN)/ruff check garmentcad tests tools
+	$(BIN)/mypy garmentcad
+
+study: $(VENV)/.installed
+	$(BIN)/python -m tools.study
+
+$(VENV)/.installed: pyproject.toml
+	@start=$$(date +%s); \
+	$(PYTHON) -c 'import sys; sys.exit("garmentcad needs Python 3.11 or later, this is " + sys.version.split()[0] if sys.version_info < (3, 11) else 0)' && \
+	$(PYTHON) -m venv $(VENV) && $(BIN)/python -m pip install --quiet --disable-pip-version-check --upgrade pip setuptools && \
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[view,test,dev]' && \
+	echo $$(( $$(date +%s) - start )) > $@
+
+clean:
+	rm -rf $(VENV) out build *.egg-info

@@ -1,0 +1,71 @@
+"""Ease: girth of the garment minus girth of the body, as drafted and as draped.
+
+At each height that the mannequin gives (bust, waist, hip) the garment is cut level. Of the closed loops that go around the torso axis the shortest counts,
+which is the layer next to the body: a fold that hangs over it, a second layer, or a sleeve (which does not go around the axis) does not change the figure.
+Its length in space is the draped girth; the same line on the flat pattern, segment by segment, is the pattern girth, the one that a pattern maker drafted.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from garmentcad.analysis.section import Chain, cut, horizontal
+from garmentcad.cloth.cloth import Cloth
+from garmentcad.mannequin.mannequin import Mannequin
+from garmentcad.units import M_TO_MM, MM_TO_M
+
+GIRTHS = ("bust", "waist", "hip")
+# A waistband ends at the waist: where the plane at the height itself finds no whole loop, the nearest of these levels that does is taken, and named.
+LEVEL_STEP_MM = 5.0
+LEVEL_REACH_MM = 25.0
+
+
+@dataclass(frozen=True)
+class Girth:
+    """A loop around the torso. draped_mm: its length in space; pattern_mm: on the flat pattern; level_mm: height above the floor at which it was cut."""
+
+    draped_mm: float
+    pattern_mm: float
+    level_mm: float
+
+
+@dataclass(frozen=True)
+class Ease:
+    """Ease at one girth of the body, mm, and the level at which the garment was cut."""
+
+    draped_mm: float
+    pattern_mm: float
+    level_mm: float
+
+
+def girth_at(cloth: Cloth, positions: np.ndarray, axis: np.ndarray, height_mm: float) -> Girth | None:
+    """Girth of the innermost closed loop around the vertical line through `axis` (3,) m at a height above the floor; None where there is none."""
+    plane = horizontal(height_mm * MM_TO_M)
+    loops = [chain for chain in cut(positions, cloth.particle_triangles, plane) if chain.winds_around(axis, plane)]
+    if not loops:
+        return None
+    inner = min(loops, key=Chain.length)
+    return Girth(M_TO_MM * inner.length(), inner.length_on(cloth.vertex_uv_mm[cloth.triangles]), height_mm)
+
+
+def girth_near(cloth: Cloth, positions: np.ndarray, axis: np.ndarray, height_mm: float) -> Girth | None:
+    """`girth_at` the height, or at the nearest level within 25 mm (5 mm steps, lower first) where the garment closes around the body."""
+    for step in range(int(LEVEL_REACH_MM / LEVEL_STEP_MM) + 1):
+        for sign in (-1.0, 1.0)[: 1 if step == 0 else 2]:
+            girth = girth_at(cloth, positions, axis, height_mm + sign * step * LEVEL_STEP_MM)
+            if girth is not None:
+                return girth
+    return None
+
+
+def garment_ease(cloth: Cloth, positions: np.ndarray, mannequin: Mannequin) -> dict[str, Ease | None]:
+    """Ease at bust, waist and hip against the mannequin's taped girths; None where the garment does not reach. positions: (P,3) m."""
+    axis = mannequin.cylinders["torso"].origin
+    found: dict[str, Ease | None] = {}
+    for name in GIRTHS:
+        girth = girth_near(cloth, positions, axis, mannequin.measurements_mm[f"{name}_height"])
+        body = mannequin.measurements_mm[name]
+        found[name] = None if girth is None else Ease(girth.draped_mm - body, girth.pattern_mm - body, girth.level_mm)
+    return found

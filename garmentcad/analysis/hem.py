@@ -1,0 +1,38 @@
+"""Where the hem hangs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from garmentcad.cloth.cloth import Cloth
+from garmentcad.units import M_TO_MM
+
+
+@dataclass(frozen=True)
+class HemHeight:
+    """Heights of the hem above the floor, mm: mean over its rest length, lowest and highest point."""
+
+    mean_mm: float
+    low_mm: float
+    high_mm: float
+
+
+def hem_height(cloth: Cloth, positions: np.ndarray, edge_keys: Iterable[str]) -> HemHeight | None:
+    """Height of the edges `panel.edge` (keys of `Cloth.edge_vertices`) at positions (P,3) m; None without edges.
+
+    The mean is weighted by length on the pattern: height is linear along each stretch between two vertices. Raises KeyError for an unknown edge.
+    """
+    total, weighted, low, high = 0.0, 0.0, np.inf, -np.inf
+    for key in edge_keys:
+        vertices = cloth.edge_vertices[key]
+        height = positions[cloth.vertex_particle[vertices], 1]
+        length = np.linalg.norm(np.diff(cloth.vertex_uv_mm[vertices], axis=0), axis=1)
+        total += float(length.sum())
+        weighted += float((length * 0.5 * (height[1:] + height[:-1])).sum())
+        low, high = min(low, float(height.min())), max(high, float(height.max()))
+    if total == 0.0:
+        return None
+    return HemHeight(M_TO_MM * weighted / total, M_TO_MM * low, M_TO_MM * high)

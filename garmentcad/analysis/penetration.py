@@ -1,0 +1,128 @@
+"""How deep a cloth lies inside a body: an exact judge, independent of the solver's contact."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import prange
+from scipy.spatial import cKDTree
+
+from garmentcad.arrays import floats, indices, kernel, parallel_kernel
+from garmentcad.units import M_TO_MM
+
+_CLUSTER = 16  # faces in a box
+# Barycentric weights of the three points in which a triangle is sampled beside its corners.
+_SAMPLES = np.array([[2 / 3, 1 / 6, 1 / 6], [1 / 6, 2 / 3, 1 / 6], [1 / 6, 1 / 6, 2 / 3]])
+
+
+def signed_distances(points: np.ndarray, vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """(N,) distance of points (N,3) from a closed surface, negative inside; faces (F,3) counter-clockwise seen from outside.
+
+    The sign comes from the pseudo-normal of the closest feature (Baerentzen and Aanaes 2005).
+    """
+    points, vertices, faces = floats(points), floats(vertices), indices(faces)
+    corners = vertices[faces]
+    order = cKDTree(corners.mean(axis=1), leafsize=_CLUSTER).indices
+    starts = np.arange(0, len(faces), _CLUSTER)
+    sorted_corners = floats(corners[order])
+    boxes = np.concatenate(
+        [np.minimum.reduceat(sorted_corners.min(axis=1), starts, axis=0), np.maximum.reduceat(sorted_corners.max(axis=1), starts, axis=0)], axis=1
+    )
+    out = np.empty(len(points))
+    _signed(points, sorted_corners, floats(boxes), floats(_pseudo_normals(vertices, faces)[order]), out)
+    return out
+
+
+def penetration_mm(positions: np.ndarray, triangles: np.ndarray, body_vertices: np.ndarray, body_faces: np.ndarray) -> float:
+    """Greatest depth in mm of a cloth inside a closed body, at the cloth's particles and at three points of each triangle; 0 if there is none."""
+    corners = np.asarray(positions)[np.asarray(triangles)]
+    samples = np.einsum("sk,fkx->fsx", _SAMPLES, corners).reshape(-1, 3)
+    points = np.concatenate([positions, samples])
+    if len(points) == 0:
+        return 0.0
+    return max(0.0, -float(signed_distances(points, body_vertices, body_faces).min())) * M_TO_MM
+
+
+def _pseudo_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """(F,7,3): angle-weighted normals of the corners, sums of the two face normals at the edges opposite to corners 0 1 2, the face's own normal."""
+    corners = vertices[faces]
+    own = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    own /= np.maximum(np.linalg.norm(own, axis=1, keepdims=True), 1e-300)
+    at_vertex = np.zeros_like(vertices)
+    for k in range(3):
+        e, f = corners[:, k - 2] - corners[:, k], corners[:, k - 1] - corners[:, k]
+        angle = np.arctan2(np.linalg.norm(np.cross(e, f), axis=1), (e * f).sum(axis=1))
+        for axis in range(3):
+            at_vertex[:, axis] += np.bincount(faces[:, k], angle * own[:, axis], len(vertices))
+    opposite = np.sort(np.stack([faces[:, [1, 2]], faces[:, [2, 0]], faces[:, [0, 1]]], axis=1), axis=2)
+    key = (opposite[..., 0].astype(np.int64) * len(vertices) + opposite[..., 1]).ravel()
+    _, edge = np.unique(key, return_inverse=True)
+    at_edge = np.stack([np.bincount(edge, np.repeat(own[:, axis], 3)) for axis in range(3)], axis=1)
+    return np.concatenate([at_vertex[faces], at_edge[edge.reshape(-1, 3)], own[:, None]], axis=1)
+
+
+@kernel
+def _box_gap2(box, x, y, z):  # type: ignore[no-untyped-def]
+    dx = max(box[0] - x, 0.0, x - box[3])
+    dy = max(box[1] - y, 0.0, y - box[4])
+    dz = max(box[2] - z, 0.0, z - box[5])
+    return dx * dx + dy * dy + dz * dz
+
+
+@kernel
+def _foot(corners, x, y, z):  # type: ignore[no-untyped-def]
+    """Vector from the closest point of the triangle (3,3) to the point, and the feature: corner 0..2, 3 + corner opposite to the edge, 6 the face."""
+    best, bx, by, bz, feature = math.inf, 0.0, 0.0, 0.0, 0
+    ux, uy, uz = corners[1, 0] - corners[0, 0], corners[1, 1] - corners[0, 1], corners[1, 2] - corners[0, 2]
+    vx, vy, vz = corners[2, 0] - corners[0, 0], corners[2, 1] - corners[0, 1], corners[2, 2] - corners[0, 2]
+    nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
+    square = nx * nx + ny * ny + nz * nz
+    over = square > 0.0
+    for k in range(3):
+        i, j = (k + 1) % 3, (k + 2) % 3
+        ex, ey, ez = corners[j, 0] - corners[i, 0], corners[j, 1] - corners[i, 1], corners[j, 2] - corners[i, 2]
+        px, py, pz = x - corners[i, 0], y - corners[i, 1], z - corners[i, 2]
+        # Left of every edge: the point lies over the face.
+        over = over and nx * (ey * pz - ez * py) + ny * (ez * px - ex * pz) + nz * (ex * py - ey * px) >= 0.0
+        long2 = ex * ex + ey * ey + ez * ez
+        t = (ex * px + ey * py + ez * pz) / long2 if long2 > 0.0 else 0.0
+        t = min(1.0, max(0.0, t))
+        rx, ry, rz = px - t * ex, py - t * ey, pz - t * ez
+        gap2 = rx * rx + ry * ry + rz * rz
+        if gap2 < best:
+            best, bx, by, bz = gap2, rx, ry, rz
+            feature = i if t == 0.0 else (j if t == 1.0 else 3 + k)
+    if over:
+        height = (nx * (x - corners[0, 0]) + ny * (y - corners[0, 1]) + nz * (z - corners[0, 2])) / square
+        return height * nx, height * ny, height * nz, 6
+    return bx, by, bz, feature
+
+
+@kernel
+def _signed_one(x, y, z, corners, boxes, normals):  # type: ignore[no-untyped-def]
+    nearest, first = math.inf, 0
+    for box in range(len(boxes)):
+        gap2 = _box_gap2(boxes[box], x, y, z)
+        if gap2 < nearest:
+            nearest, first = gap2, box
+    best, sign = math.inf, 1.0
+    # The nearest box first, so that few of the others remain.
+    for turn in range(-1, len(boxes)):
+        box = first if turn < 0 else turn
+        if (turn >= 0 and box == first) or _box_gap2(boxes[box], x, y, z) > best:
+            continue
+        for face in range(box * _CLUSTER, min((box + 1) * _CLUSTER, len(corners))):
+            rx, ry, rz, feature = _foot(corners[face], x, y, z)
+            gap2 = rx * rx + ry * ry + rz * rz
+            if gap2 < best:
+                best = gap2
+                normal = normals[face, feature]
+                sign = -1.0 if rx * normal[0] + ry * normal[1] + rz * normal[2] < 0.0 else 1.0
+    return sign * math.sqrt(best)
+
+
+@parallel_kernel
+def _signed(points, corners, boxes, normals, out):  # type: ignore[no-untyped-def]
+    for n in prange(len(points)):
+        out[n] = _signed_one(points[n, 0], points[n, 1], points[n, 2], corners, boxes, normals)

@@ -1,0 +1,134 @@
+"""Cut of a triangle mesh with a plane, as closed loops and open chains of points on mesh edges."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class Plane:
+    """Points x with normal . x = offset. normal: (3,) unit; offset in m."""
+
+    normal: np.ndarray
+    offset: float
+
+
+def horizontal(height_m: float) -> Plane:
+    """The plane at a height above the floor."""
+    return Plane(np.array([0.0, 1.0, 0.0]), height_m)
+
+
+@dataclass(frozen=True)
+class Chain:
+    """One connected line of the cut. points: (N,3) m, one a mesh edge (the first is not repeated at the end of a closed one).
+
+    triangles: the mesh triangle of each segment points[k] -> points[k+1], N of them if closed, N-1 if open. ends: for each segment the two corners
+    of its triangle's edge and the fraction along it, at start and end: (from, to, fraction) with `from` and `to` in 0..2.
+    """
+
+    points: np.ndarray
+    triangles: np.ndarray
+    closed: bool
+    start_corners: np.ndarray  # (S,2) int
+    start_fraction: np.ndarray  # (S,)
+    end_corners: np.ndarray  # (S,2) int
+    end_fraction: np.ndarray  # (S,)
+
+    def length(self) -> float:
+        """Length in space, m."""
+        points = np.vstack([self.points, self.points[:1]]) if self.closed else self.points
+        return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+
+    def length_on(self, corner_uv: np.ndarray) -> float:
+        """Length of the same line on the flat pattern: corner_uv (F,3,2) holds the flat corners of each triangle; same unit as they have."""
+        uv = corner_uv[self.triangles]
+        rows = np.arange(len(uv))
+
+        def flat(corners: np.ndarray, fraction: np.ndarray) -> np.ndarray:
+            a, b = uv[rows, corners[:, 0]], uv[rows, corners[:, 1]]
+            return a + fraction[:, None] * (b - a)
+
+        step = flat(self.end_corners, self.end_fraction) - flat(self.start_corners, self.start_fraction)
+        return float(np.linalg.norm(step, axis=1).sum())
+
+    def winds_around(self, center: np.ndarray, plane: Plane) -> bool:
+        """Whether a closed chain goes around the line through `center` (3,) along the plane's normal."""
+        if not self.closed:
+            return False
+        side = np.cross(plane.normal, [1.0, 0.0, 0.0] if abs(plane.normal[0]) < 0.9 else [0.0, 0.0, 1.0])
+        side /= math.sqrt(float(side @ side))
+        other = np.cross(plane.normal, side)
+        angle = np.arctan2((self.points - center) @ other, (self.points - center) @ side)
+        turn = np.diff(np.append(angle, angle[0]))
+        return abs(float(((turn + math.pi) % (2.0 * math.pi) - math.pi).sum())) > math.pi
+
+
+def cut(positions: np.ndarray, triangles: np.ndarray, plane: Plane) -> list[Chain]:
+    """All chains in which `plane` cuts the mesh of `triangles` (F,3) over `positions` (P,3) m.
+
+    A vertex exactly in the plane counts as above it, so every triangle is cut in one segment or not at all. Where more than two triangles share an edge the
+    chain takes the first not yet used. Chains come in order of their first triangle.
+    """
+    height = positions @ plane.normal - plane.offset
+    above = height[triangles] >= 0.0
+    crossed = np.flatnonzero(above.any(axis=1) & ~above.all(axis=1))
+    ends = np.array([_crossed_edges(row) for row in above[crossed]], dtype=np.int64).reshape(-1, 2, 2)
+    corners = triangles[crossed[:, None, None], ends]  # (S, 2 ends, 2 particles)
+    keys = np.sort(corners, axis=2)
+    edge_segments: dict[tuple[int, int], list[int]] = {}
+    edge_keys = [[(int(low), int(high)) for low, high in pair] for pair in keys]
+    for segment, pair in enumerate(edge_keys):
+        for key in pair:
+            edge_segments.setdefault(key, []).append(segment)
+    fraction = height[corners[..., 0]] / (height[corners[..., 0]] - height[corners[..., 1]])
+    points = positions[corners[..., 0]] + fraction[..., None] * (positions[corners[..., 1]] - positions[corners[..., 0]])
+
+    used = np.zeros(len(crossed), dtype=bool)
+
+    def walk(segment: int, side: int) -> list[tuple[int, int]]:
+        """Segments from `segment` on, leaving it through its end `side`: (segment, side through which it is left)."""
+        path = [(segment, side)]
+        while True:
+            key = edge_keys[path[-1][0]][path[-1][1]]
+            following = next((other for other in edge_segments[key] if not used[other]), None)
+            if following is None:
+                return path
+            used[following] = True
+            path.append((following, 1 - edge_keys[following].index(key)))
+
+    chains = []
+    for first in range(len(crossed)):
+        if used[first]:
+            continue
+        used[first] = True
+        path = walk(first, 1)
+        last, left = path[-1]
+        closed = len(path) > 2 and edge_keys[last][left] == edge_keys[first][0]
+        if not closed:
+            path = [(segment, 1 - side) for segment, side in reversed(walk(first, 0)[1:])] + path
+        segments = np.array([segment for segment, _ in path])
+        exits = np.array([side for _, side in path])
+        enters = 1 - exits
+        line = points[segments, enters]
+        if not closed:
+            line = np.vstack([line, points[segments[-1:], exits[-1:]]])
+        chains.append(
+            Chain(
+                line,
+                crossed[segments],
+                closed,
+                ends[segments, enters],
+                fraction[segments, enters],
+                ends[segments, exits],
+                fraction[segments, exits],
+            )
+        )
+    return chains
+
+
+def _crossed_edges(above: np.ndarray) -> list[tuple[int, int]]:
+    """The two edges (corner, corner) of a triangle whose ends lie on different sides."""
+    return [(corner, (corner + 1) % 3) for corner in range(3) if above[corner] != above[(corner + 1) % 3]]

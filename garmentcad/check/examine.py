@@ -1,0 +1,74 @@
+"""From the name of a spec to all findings: reading, drafting, the pattern on the table, and the panels as placed on the mannequin."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from garmentcad.check.doctor import check_pattern, refusal, worst_first
+from garmentcad.check.finding import Finding
+from garmentcad.check.placement import check_placement, check_twists
+from garmentcad.cloth.lattice import build_cloth
+from garmentcad.errors import InputError
+from garmentcad.fabric.material import material_row, material_table
+from garmentcad.io.fabric_file import load_fabric
+from garmentcad.io.mannequin_file import read_mannequin
+from garmentcad.io.shipped import resolve_reference, shipped_file
+from garmentcad.io.spec_file import read_spec
+from garmentcad.mannequin.mannequin import Mannequin
+from garmentcad.pattern.draft import draft_errors
+from garmentcad.pattern.pattern import Pattern
+from garmentcad.pattern.spec import GarmentSpec
+from garmentcad.placement.place import place_vertices
+
+
+def examine(spec: str | Path | GarmentSpec, mannequin: str | None = None, grid_mm: float = 10.0) -> list[Finding]:
+    """All findings on a garment, errors first. spec: a shipped name, a YAML file or a model; mannequin: in place of the spec's.
+
+    Input that cannot be read at all is a finding too, not an exception. Panels are placed only when they have no errors of their own.
+    """
+    folder = Path()
+    try:
+        if not isinstance(spec, GarmentSpec):
+            path = Path(spec) if isinstance(spec, Path) or spec.endswith((".yaml", ".yml")) else shipped_file("patterns", spec)
+            folder, spec = path.parent, read_spec(path)
+        body = read_mannequin(mannequin if mannequin is not None else spec.mannequin)
+    except InputError as error:
+        return [refusal(error)]
+    pattern, errors = draft_errors(spec, body.measurements_mm)
+    if pattern is None:
+        return [refusal(error) for error in errors]
+    found = check_pattern(spec, pattern, grid_mm)
+    found += _check_fabrics(spec, pattern, folder)
+    if not any(finding.severity == "error" for finding in found):
+        found += _check_placed(spec, pattern, body, folder, grid_mm)
+    return worst_first(found)
+
+
+def _check_fabrics(spec: GarmentSpec, pattern: Pattern, folder: Path) -> list[Finding]:
+    wanted = {pattern.fabric: "fabric"}
+    for panel in pattern.panels.values():
+        if panel.fabric is not None:
+            wanted.setdefault(panel.fabric, f"panels.{panel.name}.fabric")
+        for region in panel.regions:
+            if region.fabric is not None:
+                wanted.setdefault(region.fabric, f"panels.{panel.name}.regions.{region.name}.fabric")
+    found = []
+    for fabric, key in wanted.items():
+        try:
+            load_fabric(resolve_reference(fabric, "fabrics", folder))
+        except InputError as error:
+            found.append(refusal(type(error)(error.message, file=error.file or spec.file, key=error.key or key)))
+    return found
+
+
+def _check_placed(spec: GarmentSpec, pattern: Pattern, body: Mannequin, folder: Path, grid_mm: float) -> list[Finding]:
+    sheet = load_fabric(resolve_reference(pattern.fabric, "fabrics", folder)).sheet
+    try:
+        # Where the panels lie does not depend on the fabric: one row is enough.
+        cloth = build_cloth(pattern, lambda _, points: np.zeros(len(points), dtype=np.int32), material_table([material_row(sheet)]), grid_mm)
+        positions = place_vertices(pattern, cloth, body)
+    except InputError as error:
+        return [refusal(type(error)(error.message, file=error.file or spec.file, key=error.key))]
+    return [*check_twists(pattern, cloth, positions, spec.file), *check_placement(cloth, positions, body, spec.file)]

@@ -1,0 +1,80 @@
+"""Findings on placed panels: twisted seams, panels that cross each other, panels inside the mannequin."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+
+import numpy as np
+
+from garmentcad.analysis.intersection import crossing_triangle_pairs
+from garmentcad.analysis.penetration import signed_distances
+from garmentcad.check.finding import Finding
+from garmentcad.cloth.cloth import Cloth
+from garmentcad.mannequin.mannequin import Mannequin
+from garmentcad.pattern.pattern import EdgeUse, Pattern
+from garmentcad.pattern.runs import side_length
+from garmentcad.units import M_TO_MM, MM_TO_M
+
+_SHALLOW_M = 0.010  # contact pushes shallower points out gently while the seams close
+
+
+def check_placement(cloth: Cloth, positions: np.ndarray, mannequin: Mannequin, file: str | None = None) -> Iterator[Finding]:
+    """Collisions of the start positions (V,3) m of an unsewn cloth: panel against panel, and panel against body."""
+    depth = -signed_distances(positions, mannequin.vertices, mannequin.faces)
+    for index, name in enumerate(cloth.panel_names):
+        mine = cloth.vertex_panel == index
+        inside = mine & (depth > 0.0)
+        if inside.any():
+            deepest = float(depth[inside].max())
+            yield Finding(
+                "error" if deepest > _SHALLOW_M else "warning", "panel-inside-body", file, f"panels.{name}.placement",
+                f"{int(inside.sum())} of {int(mine.sum())} points start inside {mannequin.name}, up to {deepest * M_TO_MM:.0f} mm deep",
+                "Enlarge the offset or the scale of the placement, or move the panel; a few mm are pushed out while the seams close.",
+            )  # fmt: skip
+    pairs = crossing_triangle_pairs(positions, cloth.triangles)
+    owner = cloth.vertex_panel[cloth.triangles[:, 0]]
+    crossing = Counter((min(a, b), max(a, b)) for a, b in owner[pairs].tolist())
+    for (a, b), count in sorted(crossing.items()):
+        name, other = cloth.panel_names[a], cloth.panel_names[b]
+        what = "crosses itself" if a == b else f"crosses panel {other}"
+        yield Finding(
+            "error", "placement-crossing", file, f"panels.{name}.placement", f"as placed the panel {what} in {count} pairs of triangles",
+            "Wrap it wider: enlarge offset or scale." if a == b else "Move the placements apart: other angles, heights or offsets.",
+        )  # fmt: skip
+
+
+def check_twists(pattern: Pattern, cloth: Cloth, positions: np.ndarray, file: str | None = None) -> Iterator[Finding]:
+    """Seams whose sides lie the other way round in space: with one side turned around, both pairs of points would be closer.
+
+    The points at a quarter and three quarters of each side are compared, because the ends of a ring lie in one place. Darts cannot twist.
+    """
+    for seam in pattern.seams:
+        if any(pattern.panels[use.panel].edges[use.edge].dart for use in (*seam.a, *seam.b)):
+            continue
+        first_a, last_a, first_b, last_b = (_placed(pattern, cloth, positions, side, at) for side in (seam.a, seam.b) for at in (0.25, 0.75))
+        straight = np.linalg.norm(first_a - first_b), np.linalg.norm(last_a - last_b)
+        swapped = np.linalg.norm(first_a - last_b), np.linalg.norm(last_a - first_b)
+        # A hair's breadth is no twist: points that are equally far say nothing.
+        if swapped[0] + MM_TO_M < straight[0] and swapped[1] + MM_TO_M < straight[1]:
+            yield Finding(
+                "error", "seam-twisted", file, f"seams.{seam.name}",
+                f"as placed, a quarter and three quarters along the seam its sides are {straight[0] * M_TO_MM:.0f} and {straight[1] * M_TO_MM:.0f} mm apart; "
+                f"with one side turned around they would be {swapped[0] * M_TO_MM:.0f} and {swapped[1] * M_TO_MM:.0f} mm apart",
+                "Swap the first and last point of one side, or correct the placement of its panel.",
+            )  # fmt: skip
+
+
+def _placed(pattern: Pattern, cloth: Cloth, positions: np.ndarray, side: tuple[EdgeUse, ...], at: float) -> np.ndarray:
+    """Position (3,) of the contour particle nearest to a fraction of a side's length."""
+    target, done = at * side_length(pattern, side), 0.0
+    for use in side:
+        curve = pattern.panels[use.panel].edges[use.edge].curve
+        if done + curve.length >= target - 1e-9 or use is side[-1]:
+            inside = min(1.0, max(0.0, (target - done) / max(curve.length, 1e-12)))
+            break
+        done += curve.length
+    place = curve.points_at(1.0 - inside if use.reverse else inside)[0]
+    chosen = np.flatnonzero((cloth.vertex_panel == cloth.panel_names.index(use.panel)) & cloth.vertex_on_contour)
+    nearest = chosen[np.argmin(np.hypot(*(cloth.vertex_uv_mm[chosen] - place).T))]
+    return positions[nearest]

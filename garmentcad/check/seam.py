@@ -1,0 +1,85 @@
+"""Findings on seams: lengths against the intended ease, edges sewn twice, notches that do not meet."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from garmentcad.check.finding import Finding
+from garmentcad.pattern.pattern import Pattern, Seam
+from garmentcad.pattern.runs import side_length, side_notches
+
+_ABSOLUTE_MM, _RELATIVE = 3.0, 0.02  # a seam may be off by the larger of the two
+_NOTE_MM = 0.5
+
+
+def check_seams(pattern: Pattern, file: str | None) -> Iterator[Finding]:
+    """Everything that is wrong with the seams as they lie on the table (`check_placement` looks at them in space)."""
+    owner: dict[tuple[str, int], str] = {}
+    for seam in pattern.seams:
+        yield from _check_length(pattern, seam, file)
+        yield from _check_notches(pattern, seam, file)
+        for use in (*seam.a, *seam.b):
+            place = (use.panel, use.edge)
+            if place in owner:
+                edge = pattern.panels[use.panel].edges[use.edge]
+                also = f"in seam {owner[place]} too" if owner[place] != seam.name else "twice in this seam"
+                yield Finding(
+                    "error", "edge-sewn-twice", file, f"seams.{seam.name}", f"edge {use.panel}.{edge.name} ({edge.start} to {edge.end}) is sewn {also}",
+                    "An edge belongs to one seam: take it out of one of them, or split the edge at a new point.",
+                )  # fmt: skip
+            owner.setdefault(place, seam.name)
+
+
+def _check_length(pattern: Pattern, seam: Seam, file: str | None) -> Iterator[Finding]:
+    a, b = side_length(pattern, seam.a), side_length(pattern, seam.b)
+    wanted = (1.0 + seam.ease) * b
+    off = a - wanted
+    allowed = max(_ABSOLUTE_MM, _RELATIVE * wanted)
+    if abs(off) <= _NOTE_MM:
+        return
+    bad = abs(off) > allowed
+    said = f"side a is {a:.1f} mm and side b {b:.1f} mm long; with the intended ease of {100 * seam.ease:g} % side a should be {wanted:.1f} mm"
+    yield Finding(
+        "error" if bad else "note", "seam-length", file, f"seams.{seam.name}",
+        f"{said}, it is {abs(off):.1f} mm too {'long' if off > 0 else 'short'}" + (f" ({allowed:.1f} mm are allowed)" if bad else ""),
+        f"Change the length of one side, or set ease: {a / b - 1.0:.4f} if it is meant so." if b > 0.0 else "Give both sides a length.",
+    )  # fmt: skip
+
+
+def _check_notches(pattern: Pattern, seam: Seam, file: str | None) -> Iterator[Finding]:
+    key = f"seams.{seam.name}"
+    sides = (side_notches(pattern, seam.a), side_notches(pattern, seam.b))
+    for side, notches in zip("ab", sides, strict=True):
+        names = [name for name, _ in notches]
+        for name in sorted({name for name in names if names.count(name) > 1}):
+            yield Finding(
+                "error", "notch-twice", file, key, f"side {side} has {names.count(name)} notches called {name}",
+                "Give them different names: the notches of a seam meet by name.",
+            )  # fmt: skip
+    places_a, places_b = dict(sides[0]), dict(sides[1])
+    for side, only in (("a", places_a.keys() - places_b.keys()), ("b", places_b.keys() - places_a.keys())):
+        for name in sorted(only):
+            yield Finding(
+                "note", "notch-alone", file, key, f"notch {name} stands on side {side} only",
+                "Add a notch of this name to the other side where it shall meet, or leave it if it marks something else.",
+            )  # fmt: skip
+    shared = sorted(places_a.keys() & places_b.keys(), key=lambda name: places_a[name])
+    if [*shared] != sorted(shared, key=lambda name: places_b[name]):
+        yield Finding(
+            "error", "notch-order", file, key, f"the notches {', '.join(shared)} (in order along side a) come in another order along side b",
+            "Turn one side of the seam around, or swap the names.",
+        )  # fmt: skip
+        return
+    a = np.diff([0.0, *(places_a[name] for name in shared), side_length(pattern, seam.a)])
+    b = np.diff([0.0, *(places_b[name] for name in shared), side_length(pattern, seam.b)])
+    marks = ["the start", *(f"notch {name}" for name in shared), "the end"]
+    for k in range(len(a)):
+        wanted = (1.0 + seam.ease) * b[k]
+        if shared and abs(a[k] - wanted) > max(_ABSOLUTE_MM, _RELATIVE * wanted):
+            yield Finding(
+                "warning", "notch-mismatch", file, key,
+                f"from {marks[k]} to {marks[k + 1]} side a is {a[k]:.1f} mm and side b {b[k]:.1f} mm long; with the intended ease a should be {wanted:.1f} mm",
+                "Move the notch on one side, unless the ease is meant to be held here.",
+            )  # fmt: skip

@@ -1,0 +1,28 @@
+"""garmentcad check: the pattern doctor."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from typing import Annotated
+
+import typer
+
+
+def check(
+    spec: Annotated[str, typer.Argument(help="A shipped garment or a YAML file.")],
+    mannequin: Annotated[str | None, typer.Option(help="In place of the spec's.")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the findings as one JSON object and nothing else.")] = False,
+) -> None:
+    """Find what is wrong with a pattern: every finding with its place, its numbers and a remedy. Exit code 2 only if there are errors."""
+    from garmentcad.check.examine import examine
+
+    findings = examine(spec, mannequin)
+    errors = sum(finding.severity == "error" for finding in findings)
+    if as_json:
+        print(json.dumps({"findings": [asdict(finding) for finding in findings], "errors": errors}))
+    else:
+        for finding in findings:
+            print(finding)
+        print(f"{len(findings)} findings, {errors} errors")
+    raise typer.Exit(2 if errors else 0)

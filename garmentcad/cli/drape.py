@@ -1,0 +1,132 @@
+"""garmentcad drape: from spec to report and pictures."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import time
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+if TYPE_CHECKING:
+    from garmentcad.simulation.course import Progress
+
+
+class Mode(StrEnum):
+    drape = "drape"
+    dynamics = "dynamics"
+
+
+class Solver(StrEnum):
+    steps = "steps"
+
+
+def drape(
+    spec: Annotated[str, typer.Argument(help="A shipped garment (flared-skirt) or a YAML file.")],
+    out: Annotated[Path | None, typer.Option("--out", "-o", help="Result folder. Default: out/GARMENT.")] = None,
+    fabric: Annotated[str | None, typer.Option(help="A shipped fabric or a KES sheet (YAML), in place of the spec's.")] = None,
+    mannequin: Annotated[str | None, typer.Option(help="A shipped mannequin, a measurements file or a scan, in place of the spec's.")] = None,
+    grid: Annotated[float, typer.Option(help="Lattice spacing in mm.")] = 10.0,
+    threads: Annotated[int | None, typer.Option(help="Threads; the result does not depend on them.", min=1, max=64)] = None,
+    seed: Annotated[int, typer.Option(help="Of the 0.01 mm jitter of the start.")] = 0,
+    max_time: Annotated[float, typer.Option(help="Most simulated seconds.")] = 12.0,
+    mode: Annotated[Mode, typer.Option(help="drape: the shape at rest; dynamics: true masses and light damping.")] = Mode.drape,
+    solver: Annotated[Solver, typer.Option(help="How the drape is solved.")] = Solver.steps,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on from the checkpoint in the result folder.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the report as one JSON object and nothing else.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", help="No progress line.")] = False,
+) -> None:
+    """Drape a garment on a mannequin: report, meshes and pictures in a folder. Exit code 0 where it came to rest clean, 3 where not."""
+    began = time.perf_counter()
+    if threads is not None:
+        _allow_threads(threads)
+    import numba
+    from numba.core import event
+
+    from garmentcad.export.drape import finish
+    from garmentcad.simulation.job import make_job
+
+    if threads is not None:
+        numba.set_num_threads(threads)
+    with event.install_recorder("numba:compile") as compiled:
+        job = make_job(spec, fabric, mannequin, grid_mm=grid, seed=seed, mode=mode.value, max_time_s=max_time)
+        folder = out if out is not None else Path("out") / job.pattern.name
+        line = _ProgressLine(quiet or as_json)
+        result, written = finish(job, line.show, folder, resume)
+    line.end()
+    if as_json:
+        print(json.dumps(result.report, allow_nan=False))
+    else:
+        _print_result(result.report, written, _compile_seconds(compiled.buffer), time.perf_counter() - began)
+    raise typer.Exit(0 if result.report["status"] == "converged" else 3)
+
+
+def _allow_threads(threads: int) -> None:
+    """Numba fixes its pool when it is first imported."""
+    if "numba" not in sys.modules:
+        os.environ.setdefault("NUMBA_NUM_THREADS", str(max(threads, os.cpu_count() or 1)))
+
+
+def _compile_seconds(buffer: list) -> float:  # type: ignore[type-arg]
+    """Seconds during which at least one kernel was being compiled; compilations nest."""
+    total, depth, since = 0.0, 0, 0.0
+    for moment, entry in buffer:
+        if entry.is_start:
+            since = moment if depth == 0 else since
+            depth += 1
+        else:
+            depth -= 1
+            total += moment - since if depth == 0 else 0.0
+    return total
+
+
+def _print_result(report: dict, written: object, compile_s: float, total_s: float) -> None:  # type: ignore[type-arg]
+    from rich.console import Console
+
+    from garmentcad.export.report import report_table
+    from garmentcad.export.result_folder import WrittenFolder
+
+    console = Console()
+    console.print(report_table(report))
+    if isinstance(written, WrittenFolder):
+        for path in written.files:
+            console.print(f"  {path}", highlight=False, soft_wrap=True)
+        for note in written.notes:
+            console.print(f"  {note}", highlight=False, soft_wrap=True)
+    spent = f"{total_s:.1f} s in all: {compile_s:.1f} s of them compiling kernels (none the next time), {report['wall_time_s']['drape']:.1f} s drape"
+    console.print(spent, highlight=False)
+
+
+class _ProgressLine:
+    """One line on the terminal that is written over; where the output is no terminal, a line every ten seconds."""
+
+    def __init__(self, silent: bool) -> None:
+        self._silent, self._terminal = silent, sys.stderr.isatty()
+        self._last = 0.0
+        self._began = time.perf_counter()
+        self._rate = 0.0
+
+    def show(self, progress: Progress) -> None:
+        now = time.perf_counter()
+        if self._silent or now - self._last < (0.2 if self._terminal else 10.0):
+            return
+        self._last = now
+        parts = [f"{progress.phase:6}", f"step {progress.step}", f"{progress.time_s:.2f} s"]
+        if progress.gap_mm is not None:
+            parts.append(f"seams open {progress.gap_mm:.1f} mm")
+        if progress.residual_g is not None:
+            parts.append(f"residual {progress.residual_g:.1e} g of 1e-3")
+        parts.append(f"speed {1e3 * progress.rms_speed_m_s:.1f} mm/s")
+        if progress.eta_s is not None and progress.time_s > 0.0:
+            parts.append(f"about {progress.eta_s * (now - self._began) / progress.time_s:.0f} s to go")
+        text = "  ".join(parts)
+        print(f"\r\x1b[2K{text}" if self._terminal else text, end="" if self._terminal else "\n", file=sys.stderr, flush=True)
+
+    def end(self) -> None:
+        """Leave the line."""
+        if not self._silent and self._terminal:
+            print(file=sys.stderr)

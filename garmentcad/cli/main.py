@@ -1,0 +1,45 @@
+"""garmentcad: the command line. Commands live in their own files and load the program only when they run, so that --help is quick."""
+
+from __future__ import annotations
+
+import sys
+
+import typer
+
+from garmentcad import __version__
+from garmentcad.cli import check, drape, fabric, mannequin, output
+from garmentcad.errors import GarmentError, InputError
+
+EXIT_DONE, EXIT_FAULT, EXIT_REFUSED, EXIT_NOT_AT_REST, EXIT_ASSERTION = 0, 1, 2, 3, 4
+EXIT_INTERRUPTED = 130
+
+ABOUT = "Garments from sewn patterns and measured fabrics, draped on mannequins."
+
+app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False, help=ABOUT)
+app.command()(drape.drape)
+app.command()(check.check)
+app.command()(output.render)
+app.command()(output.export)
+app.add_typer(fabric.app, name="fabric")
+app.add_typer(mannequin.app, name="mannequin")
+
+
+@app.callback(invoke_without_command=True)
+def _root(show_version: bool = typer.Option(False, "--version", help="Print the version and exit.")) -> None:
+    if show_version:
+        print(__version__)
+        raise typer.Exit
+
+
+def run() -> None:
+    """Entry point. Exit codes: 0 done, 1 fault of the program, 2 input refused, 3 not at rest or intersecting, 4 assertion failed, 130 interrupted."""
+    try:
+        app()
+    except InputError as error:
+        print(f"garmentcad: {error}", file=sys.stderr)
+        sys.exit(EXIT_REFUSED)
+    except GarmentError as error:
+        print(f"garmentcad: {error}", file=sys.stderr)
+        sys.exit(EXIT_INTERRUPTED if type(error).__name__ == "Interrupted" else EXIT_NOT_AT_REST)
+    except KeyboardInterrupt:
+        sys.exit(EXIT_INTERRUPTED)

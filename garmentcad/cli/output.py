@@ -1,0 +1,66 @@
+"""garmentcad render and export: pictures and files from a result folder, or a pattern's own files."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from garmentcad.errors import InputError
+
+
+class View(StrEnum):
+    front = "front"
+    back = "back"
+    left = "left"
+    right = "right"
+    three_quarter = "three-quarter"
+
+
+class Map(StrEnum):
+    none = "none"
+    strain = "strain"
+    tension = "tension"
+    pressure = "pressure"
+
+
+def render(
+    folder: Annotated[Path, typer.Argument(help="A result folder of `garmentcad drape`.")],
+    out: Annotated[Path, typer.Option("--out", "-o", help="The PNG to write.")],
+    view: Annotated[View, typer.Option(help="From where.")] = View.front,
+    map_: Annotated[Map, typer.Option("--map", help="What to paint, with a legend.")] = Map.none,
+) -> None:
+    """Draw a draped garment."""
+    from garmentcad.export.picture import render_picture
+    from garmentcad.export.result_folder import read_result_folder
+
+    result = read_result_folder(folder)
+    values = None if map_ is Map.none else result.maps.get(map_.value)
+    if map_ is not Map.none and values is None:
+        raise InputError(f"the folder has no map '{map_.value}'; it has: {', '.join(result.maps) or 'none'}", file=str(folder), key="--map")
+    print(render_picture(out, result.state.positions, result.cloth, result.mannequin, view.value, map_.value, values))
+
+
+def export(
+    source: Annotated[Path, typer.Argument(help="A result folder.")],
+    out: Annotated[Path, typer.Option("--out", "-o", help="The file to write: .obj, .glb or .png.")],
+) -> None:
+    """Write a draped garment in another format."""
+    from garmentcad.export.glb import write_garment_glb
+    from garmentcad.export.obj import write_garment_obj
+    from garmentcad.export.picture import render_picture
+    from garmentcad.export.result_folder import read_result_folder
+
+    kinds = {".obj": "mesh", ".glb": "scene", ".png": "picture"}
+    if out.suffix not in kinds:
+        raise InputError(f"cannot write '{out.suffix or out.name}'; allowed are {', '.join(kinds)}", file=str(out), key="--out")
+    result = read_result_folder(source)
+    if out.suffix == ".obj":
+        write_garment_obj(out, result.cloth, result.state.positions)
+    elif out.suffix == ".glb":
+        write_garment_glb(out, result.cloth, result.state.positions, result.mannequin)
+    else:
+        render_picture(out, result.state.positions, result.cloth, result.mannequin, "front")
+    print(out)

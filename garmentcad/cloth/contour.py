@@ -1,0 +1,154 @@
+"""Contours: outlines and holes of all panels as points no farther apart than the grid. Millimetres."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import shapely
+
+from garmentcad.arrays import indices
+from garmentcad.cloth.seam_match import SeamMatch, match_seam, part_count
+from garmentcad.errors import SpecError
+from garmentcad.geometry.polygon import crossing_point, signed_area
+from garmentcad.pattern.pattern import Edge, EdgeUse, Panel, Pattern
+
+_JOIN_MM = 0.01  # edges of a loop meet within this, and points of a contour lie farther apart than this
+
+
+@dataclass(frozen=True)
+class Contour:
+    """Sampled outline and holes of one panel.
+
+    points_mm (N,2): loop after loop, each with the panel on its left; loop_start (K+1,): compressed rows, the outline first;
+    edge_points: for each edge (outline, then holes, in order) its points with both ends, indices into points_mm;
+    sewn (N,) bool: whether a seam runs over the segment that starts at the point.
+    """
+
+    points_mm: np.ndarray
+    loop_start: np.ndarray
+    edge_points: tuple[np.ndarray, ...]
+    sewn: np.ndarray
+
+    @cached_property
+    def segments(self) -> np.ndarray:
+        """(N,2) int32: each point and the next one of its loop."""
+        after = np.arange(1, len(self.points_mm) + 1)
+        after[self.loop_start[1:] - 1] = self.loop_start[:-1]
+        return indices(np.stack([np.arange(len(after)), after], axis=1))
+
+    @cached_property
+    def polygon(self) -> shapely.Polygon:
+        """The region between the sampled outline and the sampled holes."""
+        loops = [self.points_mm[a:b] for a, b in zip(self.loop_start[:-1], self.loop_start[1:])]
+        return shapely.Polygon(loops[0], loops[1:])
+
+
+def sample_contours(pattern: Pattern, grid_mm: float) -> tuple[dict[str, Contour], list[np.ndarray]]:
+    """Contours by panel name, and for each seam its stitches (S,4) int32 in order: panel number, point, panel number, point (side a, side b).
+
+    A point stands at every vertex of an outline; between them edges are split into equal parts no longer than `grid_mm`. The two sides of a seam
+    get the same number of points (see `match_seam`). Raises SpecError for loops that are open, run the wrong way round or cross themselves, and for
+    seams that name an edge twice or do not exist.
+    """
+    for panel in pattern.panels.values():
+        _check_lengths(panel)
+    fractions: dict[tuple[str, int], np.ndarray] = {}
+    matches = [match_seam(seam, pattern.panels, grid_mm) for seam in pattern.seams]
+    owner: dict[tuple[str, int], str] = {}
+    for seam, match in zip(pattern.seams, matches):
+        for use, values in (*zip(seam.a, match.fractions_a), *zip(seam.b, match.fractions_b)):
+            place = (use.panel, use.edge)
+            if place in owner:
+                name = pattern.panels[use.panel].edges[use.edge].name
+                raise SpecError(f"edge {use.panel}.{name} is sewn in {owner[place]} and in {seam.name}; an edge belongs to one seam", key=f"seams.{seam.name}")
+            owner[place] = seam.name
+            fractions[place] = values
+    contours = {name: _sample_panel(panel, fractions, grid_mm) for name, panel in pattern.panels.items()}
+    number = {name: index for index, name in enumerate(pattern.panels)}
+    return contours, [_stitches(seam.a, seam.b, match, contours, number) for seam, match in zip(pattern.seams, matches)]
+
+
+def _sample_panel(panel: Panel, sewn: dict[tuple[str, int], np.ndarray], grid_mm: float) -> Contour:
+    points: list[np.ndarray] = []
+    flags: list[np.ndarray] = []
+    edge_points: list[np.ndarray] = []
+    loop_start = [0]
+    for loop_number, loop in enumerate((panel.edges, *panel.holes)):
+        least = math.ceil(3 / len(loop))  # a loop is a polygon: three points at least
+        first = count = loop_start[-1]
+        for number, edge in enumerate(loop):
+            _check_joint(panel, edge, loop[(number + 1) % len(loop)])
+            values = sewn.get((panel.name, number)) if loop_number == 0 else None
+            is_sewn = values is not None
+            if values is None:
+                values = np.linspace(0.0, 1.0, max(least, part_count(edge.curve.length, grid_mm)) + 1)
+            flags.append(np.full(len(values) - 1, is_sewn))
+            points.append(edge.curve.points_at(values)[:-1])
+            edge_points.append(indices(np.arange(count, count + len(values))))
+            count += len(values) - 1
+        edge_points[-1][-1] = first
+        loop_start.append(count)
+    contour = Contour(np.concatenate(points), indices(loop_start), tuple(edge_points), np.concatenate(flags))
+    _check_loops(panel, contour, grid_mm)
+    return contour
+
+
+def _check_lengths(panel: Panel) -> None:
+    for edge in (edge for loop in (panel.edges, *panel.holes) for edge in loop):
+        if not (math.isfinite(edge.curve.length) and edge.curve.length > _JOIN_MM):
+            text = f"edge {edge.name} has a length of {edge.curve.length:.3g} mm; edges must be finite and longer than {_JOIN_MM} mm"
+            raise SpecError(text, key=f"panels.{panel.name}")
+
+
+def _check_joint(panel: Panel, edge: Edge, after: Edge) -> None:
+    gap = math.dist(edge.curve.end, after.curve.start)
+    if gap > _JOIN_MM:
+        raise SpecError(f"edge {edge.name} ends {gap:.3g} mm from the start of {after.name}; the edges of a loop must join", key=f"panels.{panel.name}")
+
+
+def _check_loops(panel: Panel, contour: Contour, grid_mm: float) -> None:
+    key = f"panels.{panel.name}"
+    for number, (a, b) in enumerate(zip(contour.loop_start[:-1], contour.loop_start[1:])):
+        loop, what = contour.points_mm[a:b], f"hole {number}" if number else "the outline"
+        step = np.linalg.norm(np.roll(loop, -1, axis=0) - loop, axis=1)
+        if step.min() < _JOIN_MM:
+            u, v = loop[int(step.argmin())]
+            raise SpecError(f"{what} comes back onto itself within {step.min():.3g} mm near ({u:.1f}, {v:.1f}) mm", key=key)
+        crossing = crossing_point(loop)
+        if crossing is not None:
+            text = f"{what}, sampled at {grid_mm:g} mm, crosses or touches itself near ({crossing[0]:.1f}, {crossing[1]:.1f}) mm"
+            raise SpecError(f"{text}; correct it, or use a smaller grid", key=key)
+        if (signed_area(loop) > 0.0) != (number == 0):
+            raise SpecError(f"{what} runs {'clockwise' if number == 0 else 'counter-clockwise'}; outlines run counter-clockwise, holes clockwise", key=key)
+    if not contour.polygon.is_valid:
+        raise SpecError(f"a hole, sampled at {grid_mm:g} mm, meets the outline or another hole: {shapely.is_valid_reason(contour.polygon)}", key=key)
+
+
+def _stitches(a: tuple[EdgeUse, ...], b: tuple[EdgeUse, ...], match: SeamMatch, contours: dict[str, Contour], number: dict[str, int]) -> np.ndarray:
+    arriving_a, leaving_a = _run_points(a, match.joints_a, match.count, contours, number)
+    arriving_b, leaving_b = _run_points(b, match.joints_b, match.count, contours, number)
+    pairs = np.stack([np.hstack([arriving_a, arriving_b]), np.hstack([leaving_a, leaving_b])], axis=1).reshape(-1, 4)
+    fresh = np.append(True, np.any(pairs[1:] != pairs[:-1], axis=1))
+    apart = np.any(pairs[:, :2] != pairs[:, 2:], axis=1)  # the apex of a dart needs no stitch
+    return indices(pairs[fresh & apart])
+
+
+def _run_points(
+    uses: tuple[EdgeUse, ...], joints: np.ndarray, count: int, contours: dict[str, Contour], number: dict[str, int]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Panel number and point (count,2) of each sample of a run, as the end of the part before it and as the start of the part after it.
+
+    The two differ where the run jumps: over the legs of a dart, or from panel to panel.
+    """
+    arriving, leaving = np.empty((count, 2), dtype=np.int64), np.empty((count, 2), dtype=np.int64)
+    for k, use in enumerate(uses):
+        points = contours[use.panel].edge_points[use.edge]
+        points = points[::-1] if use.reverse else points
+        a, b = joints[k], joints[k + 1]
+        arriving[a + 1 : b + 1] = np.stack([np.full(b - a, number[use.panel]), points[1:]], axis=1)
+        leaving[a:b] = np.stack([np.full(b - a, number[use.panel]), points[:-1]], axis=1)
+    arriving[0], leaving[-1] = leaving[0], arriving[-1]
+    return arriving, leaving

@@ -1,0 +1,128 @@
+"""Welding: the stitched particles of a cloth become one, and the sew lines get hinges."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from garmentcad.arrays import floats, frozen, indices
+from garmentcad.cloth.cloth import Cloth, SeamHinges
+from garmentcad.errors import SpecError
+from garmentcad.units import M_TO_MM
+
+
+def welded_particles(cloth: Cloth) -> np.ndarray:
+    """(P,) int32: the particle that each particle becomes when all stitches close, chains of stitches included. Numbered by their first particle."""
+    count = cloth.particle_count
+    graph = coo_array((np.ones(len(cloth.stitches), dtype=np.int8), (cloth.stitches[:, 0], cloth.stitches[:, 1])), shape=(count, count))
+    _, label = connected_components(graph, directed=False)
+    _, first = np.unique(label, return_index=True)
+    rank = np.empty(len(first), dtype=np.int32)
+    rank[np.argsort(first)] = np.arange(len(first))
+    return frozen(indices(rank[label]))
+
+
+def weld(cloth: Cloth) -> tuple[Cloth, np.ndarray]:
+    """The cloth with every stitch closed, and the map (P,) int32 from old particles to new ones.
+
+    Masses add up, elements keep their rest values, and each stretch of sew line between two border triangles becomes a hinge. Raises SpecError when
+    two corners of one element would become one particle: the panel is so narrow there that its mesh joins both sides of the seam.
+    """
+    particle = welded_particles(cloth)
+    _refuse_collapse(cloth, particle)
+    made = _seam_hinges(cloth, particle)
+    old = cloth.hinges._replace(corners=particle[cloth.hinges.corners])
+    bends = cloth.bends
+    welded = replace(
+        cloth,
+        vertex_particle=frozen(indices(particle[cloth.vertex_particle])),
+        masses=frozen(floats(np.bincount(particle, weights=cloth.masses))),
+        links=cloth.links._replace(ends=frozen(particle[cloth.links.ends])),
+        cells=cloth.cells._replace(corners=frozen(particle[cloth.cells.corners])),
+        border=cloth.border._replace(corners=frozen(particle[cloth.border.corners])),
+        bends=bends._replace(center=frozen(particle[bends.center]), arm_a=frozen(particle[bends.arm_a]), arm_b=frozen(particle[bends.arm_b])),
+        hinges=SeamHinges(*(frozen(np.concatenate(pair)) for pair in zip(old, made))),
+        stitches=frozen(cloth.stitches[:0]),
+        stitch_seam=frozen(cloth.stitch_seam[:0]),
+    )
+    return welded, particle
+
+
+def _refuse_collapse(cloth: Cloth, particle: np.ndarray) -> None:
+    corners = particle[cloth.particle_triangles]
+    flat = np.flatnonzero((corners == np.roll(corners, 1, axis=1)).any(axis=1))
+    if len(flat) == 0:
+        return
+    vertices = cloth.triangles[flat[0]]
+    panel = cloth.panel_names[cloth.vertex_panel[vertices[0]]]
+    u, v = cloth.vertex_uv_mm[vertices].mean(axis=0)
+    touched = np.isin(cloth.stitches, cloth.vertex_particle[vertices]).any(axis=1)
+    seams = ", ".join(sorted({cloth.seam_names[seam] for seam in cloth.stitch_seam[touched]}))
+    text = f"seam {seams} sews two corners of the same triangle together near ({u:.1f}, {v:.1f}) mm ({len(flat)} such places in all)"
+    raise SpecError(f"{text}; the panel is too narrow there for a grid of {cloth.spacing * M_TO_MM:g} mm: use a smaller grid", key=f"panels.{panel}")
+
+
+def _seam_hinges(cloth: Cloth, particle: np.ndarray) -> SeamHinges:
+    """Hinges between border triangles whose contour edges become one.
+
+    The edge runs as side a's outline does, so that the wing of side a lies to its left seen on the right side of the fabric.
+    """
+    border = cloth.border
+    ends = np.concatenate([border.corners[:, [k, (k + 1) % 3]] for k in range(3)])
+    triangle = np.tile(np.arange(len(border.corners)), 3)
+    wing = np.repeat([2, 0, 1], len(border.corners))
+    before, after = (_edge_groups(numbers) for numbers in (ends, particle[ends]))
+    alone = np.bincount(before)[before] == 1  # inner edges are shared before welding, lattice edges stay alone
+    candidates = np.flatnonzero(alone)
+    candidates = candidates[np.argsort(after[candidates], kind="stable")]
+    _, start, size = np.unique(after[candidates], return_index=True, return_counts=True)
+    if np.any(size > 2):
+        vertex = cloth.vertex_uv_mm[np.flatnonzero(cloth.vertex_particle == ends[candidates[start[size > 2][0]], 0])[0]]
+        raise SpecError(f"three or more panels are sewn to one edge near ({vertex[0]:.1f}, {vertex[1]:.1f}) mm", key="seams")
+    pairs = np.stack([candidates[start[size == 2]], candidates[start[size == 2] + 1]], axis=1)
+    seam, first_is_a = _seam_of(cloth, particle, ends, pairs)
+    pairs, seam = np.where(first_is_a[:, None], pairs, pairs[:, ::-1])[seam >= 0], seam[seam >= 0]
+    order = np.lexsort((ends[pairs[:, 0], 0], seam)) if len(pairs) else np.arange(0)
+    pairs, seam = pairs[order], seam[order]
+    rows, corner = triangle[pairs], wing[pairs]
+    areas = border.area[rows]
+    warp, weft = border.warp_gradient[rows, corner], border.weft_gradient[rows, corner]
+    steepness = np.hypot(warp, weft)  # the wing's gradient is square to the edge, and as long as edge / (2 area)
+    lengths = 2.0 * areas * steepness
+    return SeamHinges(
+        corners=indices(np.concatenate([particle[ends[pairs[:, 0]]], particle[border.corners[rows, corner]]], axis=1)),
+        length2_over_area=floats(lengths.mean(axis=1) ** 2 / areas.sum(axis=1)),
+        rest_angle=floats(cloth.seam_fold[seam]),
+        factor=floats(cloth.seam_bend_factor[seam]),
+        material=indices(border.material[rows]),
+        across_warp=floats(warp / steepness),
+    )
+
+
+def _edge_groups(ends: np.ndarray) -> np.ndarray:
+    """(E,) the same number for edges with the same two ends."""
+    key = ends.min(axis=1).astype(np.int64) * (int(ends.max(initial=0)) + 1) + ends.max(axis=1)
+    return np.unique(key, return_inverse=True)[1]
+
+
+def _seam_of(cloth: Cloth, particle: np.ndarray, ends: np.ndarray, pairs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """For each pair of edges (H,2): the seam that sews it, -1 for none, and whether the first edge lies on side a."""
+    count = cloth.particle_count
+    key = cloth.stitches[:, 0].astype(np.int64) * count + cloth.stitches[:, 1]
+    order = np.argsort(key, kind="stable")
+    seam, first_is_a = np.full(len(pairs), -1), np.ones(len(pairs), dtype=bool)
+    if len(key) == 0:
+        return seam, first_is_a
+    one, two = ends[pairs[:, 0]], ends[pairs[:, 1]]
+    same_way = particle[one[:, 0]] == particle[two[:, 0]]
+    two = np.where(same_way[:, None], two, two[:, ::-1])
+    for end in (0, 1):
+        for a, b, is_a in ((one, two, True), (two, one, False)):
+            wanted = a[:, end].astype(np.int64) * count + b[:, end]
+            place = np.minimum(np.searchsorted(key[order], wanted), len(key) - 1)
+            hit = (key[order][place] == wanted) & (seam < 0)
+            seam[hit], first_is_a[hit] = cloth.stitch_seam[order][place][hit], is_a
+    return seam, first_is_a

@@ -1,0 +1,143 @@
+"""Cloth against itself: vertex-triangle and edge-edge pairs within and between panels."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import csr_matrix
+
+from garmentcad.arrays import floats
+from garmentcad.cloth.cloth import Cloth
+from garmentcad.cloth.state import State
+from garmentcad.cloth.weld import welded_particles
+from garmentcad.contact.bvh import EDGE_EDGE_ONCE, POINT_TRIANGLE, build_tree, fitted_tree, near_pairs, refit
+from garmentcad.contact.elements import LEAST_GAP, elements, largest_around, unique_edges
+from garmentcad.contact.pairs import candidates, farthest, keep_apart, load_pairs, store_pairs
+from garmentcad.fabric.material import MaterialTable
+from garmentcad.units import MM_TO_M
+
+_MARGIN = 0.5  # of the lattice spacing: pairs closer than gap + margin are candidates
+_REST = 1.2  # pairs whose rest distance along the cloth is below this many gaps are left out
+_PANEL_SHIFT = 100.0  # m between panels where they are laid out for their rest distances
+
+
+class ContactCloth:
+    """Keeps a cloth's parts apart by the fabric's thickness, at least 1 mm, between mid-surfaces.
+
+    Particles that are stitched together count as one already. inverse_masses (P,): 0 for particles that something else moves; default from the cloth.
+    """
+
+    name = "cloth"
+
+    def __init__(self, cloth: Cloth, materials: MaterialTable, inverse_masses: np.ndarray | None = None) -> None:
+        count, triangles = cloth.particle_count, cloth.particle_triangles
+        identity = np.asarray(welded_particles(cloth))
+        self.inverse_masses = floats(1.0 / cloth.masses if inverse_masses is None else inverse_masses)
+        self._gap = np.maximum(largest_around(cloth, materials.thickness), LEAST_GAP)
+        self._friction = largest_around(cloth, materials.friction_cloth)
+        self._margin = _MARGIN * cloth.spacing
+        self._most = 2.0 * cloth.spacing  # m, up to which a faster motion widens the margin; beyond it a run is lost anyway
+        self._points = elements(np.unique(triangles), identity)
+        self._triangles = elements(triangles, identity)
+        edges = unique_edges(triangles)
+        self._edges = elements(edges, identity)
+        # Neighbours on the pattern stay neighbours on the body, so the trees are built there, once.
+        rest = np.zeros((count, 3))
+        rest[cloth.vertex_particle] = _laid_out(cloth)
+        self._triangle_tree = build_tree(_laid_out(cloth)[cloth.triangles].mean(axis=1))
+        self._edge_tree = build_tree(rest[edges].mean(axis=1))
+        self._neighbours = _Neighbours(cloth, identity, edges, _REST * float(self._gap.max(initial=LEAST_GAP)))
+
+    def start(self, state: State) -> None:
+        """Find the first candidates."""
+        self._find_pairs(state)
+
+    def detect(self, state: State, reserve_m: float) -> bool:
+        """See `Contact.detect`. Two parts come closer by at most twice the longest way."""
+        if 2.0 * (farthest(state.positions, state.contact[f"{self.name}_pair_home"]) + reserve_m) <= float(state.contact[f"{self.name}_pair_margin"][0]):
+            return False
+        self._find_pairs(state, 4.0 * reserve_m)
+        return True
+
+    def respond(self, state: State, time_step_s: float) -> None:
+        """See `Contact.respond`. `state.run["unresolved_contacts"]` counts the pairs that the fail-safe could not stop."""
+        work, unresolved = keep_apart(load_pairs(state, self.name), state.positions, state.velocities, self.inverse_masses, time_step_s)
+        state.work_j["friction"] += work
+        if unresolved:
+            state.run["unresolved_contacts"] = state.run.get("unresolved_contacts", 0.0) + unresolved
+
+    def _find_pairs(self, state: State, least_margin: float = 0.0) -> None:
+        positions, margin = state.positions, max(self._margin, min(least_margin, self._most))
+        reach = float(self._gap.max(initial=LEAST_GAP)) + margin
+        refit(self._triangle_tree, self._triangles.nodes, positions)
+        refit(self._edge_tree, self._edges.nodes, positions)
+        both = (positions, positions)
+        touched = near_pairs(POINT_TRIANGLE, reach, self._points, self._triangles, self._triangle_tree, both)
+        crossed = near_pairs(EDGE_EDGE_ONCE, reach, self._edges, self._edges, self._edge_tree, both)
+        touched = touched[~self._neighbours.vertex_triangle(self._points.nodes[touched[:, 0], 0], touched[:, 1])]
+        crossed = crossed[~self._neighbours.edge_edge(crossed[:, 0], crossed[:, 1])]
+        points = np.concatenate([self._points.nodes[touched[:, 0], :1], self._triangles.nodes[touched[:, 1]]], axis=1)
+        edges = np.concatenate([self._edges.nodes[crossed[:, 0], :2], self._edges.nodes[crossed[:, 1], :2]], axis=1)
+        store_pairs(state, self.name, candidates(points, edges, positions, self._gap, self._friction), margin)
+
+
+class _Neighbours:
+    """Pairs of elements whose rest distance along the cloth, over welded particles and edges too, is below `reach`; they never count as contact.
+
+    The shortest way from an element to another one leaves the first at a corner p or enters the second at one. So all follows from the edges near each
+    corner on its panel: triangles over such an edge, or at an end of it that is near as well, are near p; edges at p are near that edge.
+    """
+
+    def __init__(self, cloth: Cloth, identity: np.ndarray, edges: np.ndarray, reach: float) -> None:
+        vertices, laid = np.arange(len(cloth.vertex_panel)), _laid_out(cloth)
+        points, sides = elements(vertices, vertices), elements(unique_edges(cloth.triangles), vertices)
+        near = near_pairs(POINT_TRIANGLE, reach, points, sides, fitted_tree(sides, laid), (laid, laid))
+        welded = identity[cloth.vertex_particle]
+        corner, ends = near[:, 0], sides.nodes[near[:, 1], :2]
+        count, triangles = int(identity.max(initial=0)) + 1, welded[cloth.triangles]
+        keys = np.sort(identity[edges], axis=1)
+        whole, self._edge = np.unique(keys, axis=0, return_inverse=True)
+        self._edge, self._identity = self._edge.ravel(), identity
+        at_edge = _incidence(np.arange(len(whole))[:, None], whole, (len(whole), count))
+        at_triangle = _incidence(np.arange(len(triangles))[:, None], triangles, (len(triangles), count))
+        side = _row_of(whole, np.sort(welded[ends], axis=1))
+        near_edge = _incidence(welded[corner][:, None], side[:, None], (count, len(whole)))
+        close = np.linalg.norm(laid[ends] - laid[corner][:, None], axis=2) <= reach
+        near_point = _incidence(np.repeat(welded[corner], 2).reshape(-1, 2)[close][:, None], welded[ends][close][:, None], (count, count))
+        near_point = near_point + near_point.T
+        over_edge = (at_edge @ at_triangle.T) == 2
+        self._triangle_count = len(triangles)
+        self._vertex_triangle = _keys(near_edge @ over_edge + near_point @ at_triangle.T)
+        edge_edge = at_edge @ near_edge + at_edge @ near_point @ at_edge.T
+        self._edge_edge = _keys(edge_edge + edge_edge.T)
+
+    def vertex_triangle(self, particle: np.ndarray, triangle: np.ndarray) -> np.ndarray:
+        """(K,) bool for particles and triangles (K,)."""
+        return np.isin(self._identity[particle].astype(np.int64) * self._triangle_count + triangle, self._vertex_triangle)
+
+    def edge_edge(self, one: np.ndarray, other: np.ndarray) -> np.ndarray:
+        """(K,) bool for pairs of edges (K,)."""
+        width = int(self._edge.max(initial=0)) + 1
+        return np.isin(self._edge[one].astype(np.int64) * width + self._edge[other], self._edge_edge)
+
+
+def _laid_out(cloth: Cloth) -> np.ndarray:
+    """(V,3) m: the vertices on their panels, every panel in a plane of its own."""
+    return floats(np.column_stack([cloth.vertex_uv_mm * MM_TO_M, _PANEL_SHIFT * cloth.vertex_panel]))
+
+
+def _incidence(rows: np.ndarray, columns: np.ndarray, shape: tuple[int, int]) -> csr_matrix:
+    """Matrix of counts: 1 for each pair of a row and a column (arrays that broadcast)."""
+    rows, columns = np.broadcast_arrays(rows, columns)
+    return csr_matrix((np.ones(rows.size, dtype=np.int32), (rows.ravel(), columns.ravel())), shape=shape)
+
+
+def _row_of(table: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Index in the rising `table` (N,2) of each of its `rows` (K,2)."""
+    width = int(table.max(initial=0)) + 1
+    return np.searchsorted(table[:, 0].astype(np.int64) * width + table[:, 1], rows[:, 0].astype(np.int64) * width + rows[:, 1])
+
+
+def _keys(matrix: csr_matrix) -> np.ndarray:
+    """row * columns + column of the entries that are not 0, rising."""
+    rows, columns = matrix.nonzero()
+    return np.unique(rows.astype(np.int64) * matrix.shape[1] + columns)

@@ -1,0 +1,31 @@
+"""Points, edges and triangles of a cloth for contact, and what a particle has of the material around it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from garmentcad.arrays import indices
+from garmentcad.cloth.cloth import Cloth
+from garmentcad.contact.bvh import Elements
+
+LEAST_GAP = 1e-3  # m, of mid-surfaces
+
+
+def unique_edges(triangles: np.ndarray) -> np.ndarray:
+    """Edges (E,2) int32 of triangles (F,3), each once, rising."""
+    ends = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    return indices(np.unique(np.sort(ends, axis=1), axis=0).reshape(-1, 2))
+
+
+def elements(nodes: np.ndarray, identity: np.ndarray) -> Elements:
+    """Elements of points (N,), edges (N,2) or triangles (N,3), with the identity of their nodes (P,)."""
+    rows = nodes.reshape(len(nodes), -1)
+    rows = indices(np.concatenate([rows, np.repeat(rows[:, -1:], 3 - rows.shape[1], axis=1)], axis=1))
+    return Elements(rows, indices(identity[rows]))
+
+
+def largest_around(cloth: Cloth, per_material: np.ndarray) -> np.ndarray:
+    """(P,): the largest value (M,) of the materials of the triangles around each particle."""
+    values = np.zeros(cloth.particle_count)
+    np.maximum.at(values, cloth.particle_triangles, per_material[cloth.triangle_material][:, None])
+    return values

@@ -1,0 +1,81 @@
+"""Wavefront OBJ of a draped garment and of its mannequin, in metres with 9 significant digits (a nanometre on a garment)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+
+from garmentcad.arrays import floats, indices
+from garmentcad.cloth.cloth import Cloth
+from garmentcad.errors import MeshError
+from garmentcad.io.atomic import write_atomic
+from garmentcad.mannequin.mannequin import Mannequin
+
+
+def write_garment_obj(path: str | Path, cloth: Cloth, positions: np.ndarray) -> Path:
+    """Write the triangles that contact uses.
+
+    positions: (P,3) m. `v` are the particles (sewn panels share theirs), `vt` the panel millimetres of every cloth vertex, one group `g PANEL` a panel.
+    Faces keep the pattern's orientation: normals point to the right side of the fabric.
+    """
+    corners = cloth.particle_triangles + 1
+    uv = cloth.triangles + 1
+    panel = cloth.vertex_panel[cloth.triangles[:, 0]]
+    lines = ["# garmentcad: metres, y up; vt = panel millimetres"]
+    lines += _rows("v", positions)
+    lines += _rows("vt", cloth.vertex_uv_mm)
+    for index, name in enumerate(cloth.panel_names):
+        lines.append(f"g {_group_name(name)}")
+        lines += [f"f {a}/{ua} {b}/{ub} {c}/{uc}" for (a, b, c), (ua, ub, uc) in zip(corners[panel == index].tolist(), uv[panel == index].tolist())]
+    return write_atomic(path, "\n".join(lines) + "\n")
+
+
+def write_mannequin_obj(path: str | Path, mannequin: Mannequin) -> Path:
+    """Write the body's surface, one group a body part."""
+    faces = mannequin.faces + 1
+    lines = ["# garmentcad: metres, y up", *_rows("v", mannequin.vertices)]
+    for index, name in enumerate(mannequin.part_names):
+        lines.append(f"g {_group_name(name)}")
+        lines += [f"f {a} {b} {c}" for a, b, c in faces[mannequin.face_part == index].tolist()]
+    return write_atomic(path, "\n".join(lines) + "\n")
+
+
+def _rows(keyword: str, rows: np.ndarray) -> Iterable[str]:
+    return (f"{keyword} " + " ".join(_number(value) for value in row) for row in rows.tolist())
+
+
+def _number(value: float) -> str:
+    return f"{value:.9g}"
+
+
+def _group_name(name: str) -> str:
+    """OBJ separates words of a group line by blanks: one panel must stay one word."""
+    return "_".join(name.split())
+
+
+def read_mannequin_obj(path: str | Path) -> Mannequin:
+    """The surface and parts that `write_mannequin_obj` wrote (no measurements, landmarks or cylinders). Raises MeshError for anything else."""
+    vertices: list[list[float]] = []
+    faces: list[list[int]] = []
+    parts: list[str] = []
+    part: list[int] = []
+    try:
+        for line in Path(path).read_text(encoding="utf-8").splitlines():
+            keyword, *words = line.split() or ["#"]
+            if keyword == "v":
+                vertices.append([float(word) for word in words])
+            elif keyword == "g":
+                parts.append(words[0])
+            elif keyword == "f":
+                faces.append([int(word) - 1 for word in words])
+                part.append(len(parts) - 1)
+        points, corners = floats(vertices).reshape(-1, 3), indices(faces).reshape(-1, 3)
+        if not (np.isfinite(points).all() and len(corners) and corners.min() >= 0 and corners.max() < len(points) and min(part) >= 0):
+            raise ValueError("faces, vertices and groups do not fit together")
+    except FileNotFoundError as error:
+        raise MeshError("no such file", file=str(path)) from error
+    except (OSError, ValueError, IndexError, OverflowError) as error:
+        raise MeshError(f"is not a mannequin written by garmentcad ({error})", file=str(path)) from error
+    return Mannequin(Path(path).stem, points, corners, {}, {}, {}, tuple(parts), indices(part))

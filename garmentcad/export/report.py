@@ -1,0 +1,158 @@
+"""report.json: every number of a run, in one order, in valid JSON."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.table import Table
+
+from garmentcad.analysis.ease import GIRTHS
+from garmentcad.analysis.measures import Measures
+from garmentcad.analysis.run_record import RunRecord
+from garmentcad.io.atomic import write_atomic
+
+SCHEMA = 1
+# Nested keys that scripts rely on.
+NESTED = {
+    "wall_time_s": ("setup", "drape", "total"),
+    "rest": ("max_speed_m_s", "rms_speed_m_s", "kinetic_j_per_kg", "residual_g_rms"),
+    "constraints": ("max_gap_mm", "max_speed_m_s", "conflicting"),
+    "energy_j": ("stretch", "shear", "bend", "gravity", "friction_work", "damping_work"),
+}
+SIGNIFICANT_DIGITS = 9
+STATUS_STYLE = {"converged": "green", "max_time": "yellow", "diverged": "red", "intersecting": "red"}
+
+
+def build_report(record: RunRecord, measures: Measures) -> dict[str, Any]:
+    """The report as plain dicts, lists, strings and finite numbers, in the order in which it is written. What is not finite or was not measured is None.
+
+    Raises ValueError where a nested dict of `record` lacks a key (a fault of the caller).
+    """
+    for name, keys in NESTED.items():
+        missing = [key for key in keys if key not in getattr(record, name)]
+        if missing:
+            raise ValueError(f"RunRecord.{name} lacks {', '.join(missing)}")
+    eases = {name: measures.ease.get(name) for name in GIRTHS}
+    hem = measures.hem
+    report = {
+        "schema": SCHEMA,
+        "garment": record.garment,
+        "fabric": record.fabric,
+        "mannequin": record.mannequin,
+        "grid_mm": record.grid_mm,
+        "seed": record.seed,
+        "threads": record.threads,
+        "versions": dict(sorted(record.versions.items())),
+        "spec_sha256": record.spec_sha256,
+        "state_sha256": record.state_sha256,
+        "status": record.status,
+        "particles": measures.particles,
+        "triangles": measures.triangles,
+        "panels": measures.panels,
+        "seams": record.seams,
+        "welds": record.welds,
+        "steps": record.steps,
+        "time_step_s": record.time_step_s,
+        "simulated_time_s": record.simulated_time_s,
+        "wall_time_s": _ordered("wall_time_s", record.wall_time_s),
+        "rest": _ordered("rest", record.rest),
+        "strain_percent": measures.strain_percent,
+        "trellis_deg": measures.trellis_deg,
+        "strain_over_limit_percent": measures.strain_over_limit_percent,
+        "constraints": _ordered("constraints", record.constraints),
+        "seam_gap_mm": {"max": record.seam_gap_mm},
+        "mannequin_penetration_mm": {"max": record.mannequin_penetration_mm},
+        "self_intersections": record.self_intersections,
+        "mannequin_intersections": record.mannequin_intersections,
+        "pattern_ease_mm": {name: None if ease is None else ease.pattern_mm for name, ease in eases.items()},
+        "ease_mm": {name: None if ease is None else ease.draped_mm for name, ease in eases.items()},
+        "ease_level_mm": {name: None if ease is None else ease.level_mm for name, ease in eases.items()},
+        "hem_height_mm": None if hem is None else hem.mean_mm,
+        "hem_range_mm": {"min": None if hem is None else hem.low_mm, "max": None if hem is None else hem.high_mm},
+        "pressure_kpa": measures.pressure_kpa,
+        "energy_j": _ordered("energy_j", record.energy_j),
+        "uncalibrated": record.uncalibrated,
+        "warnings": list(record.warnings),
+    }
+    return {key: _plain(value) for key, value in report.items()}
+
+
+def report_json(report: Mapping[str, Any]) -> str:
+    """The text of report.json."""
+    return json.dumps(report, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def write_report(path: str | Path, report: Mapping[str, Any]) -> Path:
+    """Write report.json."""
+    return write_atomic(path, report_json(report))
+
+
+def report_table(report: Mapping[str, Any]) -> Table:
+    """The figures that a person looks at first, for the terminal."""
+    table = Table(title=f"{report['garment']} · {report['fabric']} · {report['mannequin']}", show_header=False, title_justify="left", pad_edge=False)
+    table.add_column("quantity", style="dim", no_wrap=True)
+    table.add_column("value")
+    status = report["status"]
+    table.add_row("status", f"[{STATUS_STYLE[status]}]{status}[/]")
+    table.add_row("lattice", f"{_show(report['grid_mm'])} mm, {report['particles']} particles, {report['triangles']} triangles, {report['panels']} panels")
+    table.add_row("motion", f"{report['steps']} steps of {_show(_thousandfold(report['time_step_s']))} ms, {_show(report['simulated_time_s'])} s simulated")
+    wall = report["wall_time_s"]
+    table.add_row("wall time", f"{_show(wall['setup'])} s setup, {_show(wall['drape'])} s drape, {_show(wall['total'])} s in all")
+    table.add_row("rest", f"residual {_show(report['rest']['residual_g_rms'], 2)} g, RMS speed {_show(report['rest']['rms_speed_m_s'], 2)} m/s")
+    for name in GIRTHS:
+        if report["ease_mm"][name] is not None:
+            table.add_row(f"ease {name}", f"{report['ease_mm'][name]:+.1f} mm draped, {report['pattern_ease_mm'][name]:+.1f} mm on the pattern")
+    if report["hem_height_mm"] is not None:
+        span = report["hem_range_mm"]
+        table.add_row("hem height", f"{report['hem_height_mm']:.0f} mm ({span['min']:.0f} to {span['max']:.0f})")
+    for axis, values in report["strain_percent"].items():
+        table.add_row(f"strain {axis}", f"median {_show(values['p50'])} %, p99 {_show(values['p99'])} %, max {_show(values['max'])} %")
+    table.add_row("trellis angle", f"p99 {_show(report['trellis_deg']['p99'])}°, {_show(report['trellis_deg']['over_8_percent'])} % of the area over 8°")
+    table.add_row("pressure", f"max {_show(report['pressure_kpa']['max'])} kPa, mean in contact {_show(report['pressure_kpa']['mean_in_contact'])} kPa")
+    table.add_row("seam gap at welding", f"{_show(report['seam_gap_mm']['max'], 2)} mm")
+    table.add_row("intersections", f"{_count(report['self_intersections'])} in the cloth, {_count(report['mannequin_intersections'])} with the mannequin")
+    table.add_row("deepest penetration", f"{_show(report['mannequin_penetration_mm']['max'], 2)} mm")
+    if report["uncalibrated"]:
+        table.add_row("fabric law", "uncalibrated: values as printed on the sheet")
+    for warning in report["warnings"]:
+        table.add_row("[yellow]warning[/]", warning)
+    return table
+
+
+def _ordered(name: str, values: Mapping[str, Any]) -> dict[str, Any]:
+    first = {key: values[key] for key in NESTED[name]}
+    return first | {key: values[key] for key in sorted(values) if key not in first}
+
+
+def _plain(value: Any) -> Any:
+    """Python numbers with nine significant digits; None for what is not finite."""
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in value]
+    if isinstance(value, np.ndarray):
+        return _plain(value.tolist())
+    if isinstance(value, (bool, np.bool_)):
+        return bool(value)
+    if isinstance(value, (int, np.integer)):
+        return int(value)
+    if isinstance(value, (float, np.floating)):
+        return float(f"{float(value):.{SIGNIFICANT_DIGITS}g}") if math.isfinite(value) else None
+    return value
+
+
+def _thousandfold(value: float | None) -> float | None:
+    return None if value is None else 1000.0 * value
+
+
+def _show(value: float | None, digits: int = 3) -> str:
+    return "not measured" if value is None else f"{value:.{digits}g}" if abs(value) < 10.0**digits else f"{value:.0f}"
+
+
+def _count(value: int | None) -> str:
+    return "not counted" if value is None else f"[red]{value}[/]" if value else "0"

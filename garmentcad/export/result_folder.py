@@ -1,0 +1,103 @@
+"""A result folder: what a drape leaves behind, enough to draw and export it again without its spec.
+
+report.json, garment.obj, garment.glb, mannequin.obj, state.npz (the State), cloth.npz (the Cloth), maps.npz (one value a particle for the pictures) and,
+with the extra `view`, front.png and back.png. report.json goes first when a folder is reused and is written last: a folder that has one is whole.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from garmentcad.cloth.cloth import Cloth
+from garmentcad.cloth.state import State
+from garmentcad.errors import FileError
+from garmentcad.export.cloth_file import read_arrays, read_cloth, write_cloth
+from garmentcad.export.glb import write_garment_glb
+from garmentcad.export.obj import read_mannequin_obj, write_garment_obj, write_mannequin_obj
+from garmentcad.export.picture import ViewMissing, render_pictures
+from garmentcad.export.report import write_report
+from garmentcad.io.atomic import write_atomic
+from garmentcad.mannequin.mannequin import Mannequin
+from garmentcad.simulation.checkpoint import load_state, save_state
+
+PICTURES = ("front", "back")
+
+
+@dataclass(frozen=True)
+class Result:
+    """What a result folder holds. maps: name -> (P,) values (strain no unit, tension N/m, pressure kPa); mannequin is None for a swatch."""
+
+    report: dict[str, Any]
+    cloth: Cloth
+    state: State
+    maps: dict[str, np.ndarray]
+    mannequin: Mannequin | None
+
+
+@dataclass(frozen=True)
+class WrittenFolder:
+    """files: what was written, report.json last; notes: what was left out, and why."""
+
+    folder: Path
+    files: tuple[Path, ...]
+    notes: tuple[str, ...]
+
+
+def write_result_folder(folder: str | Path, result: Result, identity: Mapping[str, str]) -> WrittenFolder:
+    """Write all files of a result. identity: as `save_state` takes it. Without the extra `view` the pictures are left out, and a note says so."""
+    folder = Path(folder)
+    positions = result.state.positions
+    notes: list[str] = []
+    (folder / "report.json").unlink(missing_ok=True)
+    files = [folder / "state.npz"]
+    folder.mkdir(parents=True, exist_ok=True)
+    save_state(folder / "state.npz", result.state, dict(identity))
+    files.append(write_cloth(folder / "cloth.npz", result.cloth))
+    files.append(write_atomic(folder / "maps.npz", lambda file: np.savez_compressed(file, **result.maps)))  # type: ignore[arg-type]
+    finite = bool(np.isfinite(positions).all())
+    drawn = {view: folder / f"{view}.png" for view in PICTURES}
+    for path in (folder / "garment.obj", folder / "garment.glb", folder / "mannequin.obj", *drawn.values()):
+        path.unlink(missing_ok=True)
+    if result.mannequin is not None:
+        files.append(write_mannequin_obj(folder / "mannequin.obj", result.mannequin))
+    if finite:
+        files.append(write_garment_obj(folder / "garment.obj", result.cloth, positions))
+        files.append(write_garment_glb(folder / "garment.glb", result.cloth, positions, result.mannequin))
+        try:
+            files += render_pictures(drawn, positions, result.cloth, result.mannequin)
+        except ViewMissing as missing:
+            notes.append(f"no pictures: {missing}")
+    else:
+        notes.append("no garment.obj, garment.glb and pictures: positions are not finite")
+    files.append(write_report(folder / "report.json", result.report))
+    return WrittenFolder(folder, tuple(files), tuple(notes))
+
+
+def read_result_folder(folder: str | Path) -> Result:
+    """Read a result folder. Raises FileError (or CheckpointError, MeshError) naming the file that is missing or torn."""
+    folder = Path(folder)
+    path = folder / "report.json"
+    try:
+        report = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError as error:
+        raise FileError("no such file: this is not the folder of a finished drape", file=str(path)) from error
+    except (OSError, ValueError, RecursionError) as error:
+        raise FileError(f"is not JSON ({error})", file=str(path)) from error
+    if not isinstance(report, dict) or "schema" not in report:
+        raise FileError("is not a report of garmentcad", file=str(path))
+    cloth = read_cloth(folder / "cloth.npz")
+    state = load_state(folder / "state.npz")
+    if state.positions.shape != (cloth.particle_count, 3):
+        raise FileError(f"holds {state.positions.shape} positions where cloth.npz has {cloth.particle_count} particles", file=str(folder / "state.npz"))
+    maps = read_arrays(folder / "maps.npz")
+    for name, values in maps.items():
+        if values.shape != (cloth.particle_count,):
+            raise FileError(f"{name} has shape {values.shape} where cloth.npz has {cloth.particle_count} particles", file=str(folder / "maps.npz"))
+    body = folder / "mannequin.obj"
+    return Result(report, cloth, state, maps, read_mannequin_obj(body) if body.exists() else None)

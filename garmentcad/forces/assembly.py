@@ -1,0 +1,64 @@
+"""Sum of all forces per particle: element forces write their corners, then one gather adds them up in a fixed order."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+
+import numpy as np
+from numba import prange
+
+from garmentcad.arrays import indices, parallel_kernel, rows_by_key
+from garmentcad.forces.force import NO_PARTICLE, BodyForce, Force
+
+
+@parallel_kernel
+def gather(starts, slots, corner_forces, out):  # type: ignore[no-untyped-def]
+    """out[i] = sum of corner_forces[slots[starts[i]:starts[i+1]]], in that order."""
+    for i in prange(len(starts) - 1):
+        x = y = z = 0.0
+        for j in range(starts[i], starts[i + 1]):
+            k = slots[j]
+            x += corner_forces[k, 0]
+            y += corner_forces[k, 1]
+            z += corner_forces[k, 2]
+        out[i, 0], out[i, 1], out[i, 2] = x, y, z
+
+
+class ForceAssembly:
+    """All forces on `particle_count` particles. Two forces of one name are refused (ValueError): results are reported by name."""
+
+    def __init__(self, forces: Sequence[Force], particle_count: int, body_forces: Sequence[BodyForce] = ()) -> None:
+        self.forces, self.body_forces = tuple(forces), tuple(body_forces)
+        self._all: tuple[Force | BodyForce, ...] = (*self.forces, *self.body_forces)
+        names = [force.name for force in self._all]
+        if len(set(names)) < len(names):
+            raise ValueError(f"two forces of one name among {names}: give each its own")
+        bounds = np.cumsum([0, *(len(force.corners) for force in self.forces)])
+        self._parts = [slice(a, b) for a, b in itertools.pairwise(bounds)]
+        corners = np.concatenate([np.empty(0, np.int32), *(force.corners for force in self.forces)])
+        used = np.flatnonzero(corners != NO_PARTICLE)
+        self._starts, rows = rows_by_key(corners[used], particle_count)
+        self._slots = indices(used[rows])
+        self._particles, self._used = corners[used], used
+        self._corner_forces = np.zeros((len(corners), 3))
+        self._views = [self._corner_forces[part] for part in self._parts]
+        self._corner_stiffness = np.zeros(len(corners))
+
+    def add_up(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray) -> None:
+        """Total force on each particle [N] into out (P,3), from positions [m] and velocities [m/s], both (P,3)."""
+        for force, view in zip(self.forces, self._views):
+            force.write_forces(positions, velocities, view)
+        gather(self._starts, self._slots, self._corner_forces, out)
+        for body_force in self.body_forces:
+            body_force.add_forces(positions, velocities, out)
+
+    def energy(self, positions: np.ndarray) -> dict[str, float]:
+        """Stored energy [J] of each force by name."""
+        return {force.name: force.energy(positions) for force in self._all}
+
+    def stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
+        """Row sum bound of the tangent [N/m] at each particle into out (P,); see `time_step`."""
+        for force, part in zip(self.forces, self._parts):
+            force.write_stiffness(positions, self._corner_stiffness[part])
+        out[:] = np.bincount(self._particles, weights=self._corner_stiffness[self._used], minlength=len(out))

@@ -1,0 +1,24 @@
+"""Areas and shape-function gradients of triangles in the plane."""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+def signed_areas(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """Areas (T,) of triangles (T,3) over points (N,2); positive when counter-clockwise."""
+    a, b, c = (points[triangles[:, k]] for k in range(3))
+    ab, ac = b - a, c - a
+    return 0.5 * (ab[:, 0] * ac[:, 1] - ab[:, 1] * ac[:, 0])
+
+
+def shape_gradients(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """Gradients (T,3,2) of the linear functions that are 1 at one corner and 0 at the others.
+
+    The gradient at corner k is the opposite edge turned by 90 degrees toward k, over twice the area. Any field linear over a triangle with the corner
+    values x_k has the derivative sum_k x_k gradient_k.
+    """
+    corners = points[triangles]
+    opposite = np.roll(corners, 1, axis=1) - np.roll(corners, -1, axis=1)  # from the next corner to the one after it
+    turned = np.stack([-opposite[..., 1], opposite[..., 0]], axis=-1)
+    return turned / (2.0 * signed_areas(points, triangles))[:, None, None]

@@ -1,0 +1,53 @@
+"""Whole files or none: every writer of the program goes through `write_atomic`, so that a killed run never leaves half a file under its final name."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import BinaryIO
+
+from garmentcad.errors import FileError
+
+
+def write_atomic(path: str | Path, content: bytes | str | Callable[[BinaryIO], None]) -> Path:
+    """Write `content` to a temporary name in the same folder, fsync it, and rename it to `path`.
+
+    content: bytes, text (stored as UTF-8), or a function that writes into the open binary file it is given. If the function raises, the file that
+    stood at `path` stays as it was and nothing is left beside it. Missing folders are made. Raises FileError where the folder cannot be written.
+    """
+    path = Path(path)
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with open(temporary, "wb") as file:
+            if isinstance(content, str):
+                file.write(content.encode("utf-8"))
+            elif isinstance(content, bytes):
+                file.write(content)
+            else:
+                content(file)
+            file.flush()
+            os.fsync(file.fileno())
+        os.replace(temporary, path)
+    except BaseException as error:
+        with suppress(OSError):
+            temporary.unlink(missing_ok=True)
+        if isinstance(error, OSError):
+            raise FileError(f"cannot write: {error.strerror or error}", file=str(path)) from error
+        raise
+    _sync_folder(path.parent)
+    return path
+
+
+def _sync_folder(folder: Path) -> None:
+    """The rename itself reaches the disk only with the folder (POSIX); where folders cannot be opened there is nothing to do."""
+    try:
+        handle = os.open(folder, os.O_RDONLY)
+    except OSError:
+        return
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)

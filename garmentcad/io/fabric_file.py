@@ -1,0 +1,80 @@
+"""Fabric files: one KES sheet a YAML file (docs/fabric.md has the format), or a laboratory's CSV file of one fabric."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+from garmentcad.errors import FabricError
+from garmentcad.fabric.finding import Finding
+from garmentcad.fabric.missing import Completed, complete
+from garmentcad.fabric.sheet import KesSheet, sheet_data, sheet_from
+from garmentcad.io.atomic import write_atomic
+from garmentcad.io.kes_csv import read_kes_csv
+from garmentcad.io.shipped import shipped_file, shipped_names
+from garmentcad.io.yaml_file import read_yaml
+
+_PLAIN = re.compile(r"[A-Za-z][A-Za-z0-9_]*|2HG5?|2HB")
+
+
+def fabric_path(name_or_file: str) -> Path:
+    """File of a fabric: a shipped name (`wool-suiting`) or a path that ends in .yaml, .yml or .csv. FileError for an unknown name."""
+    if name_or_file.lower().endswith((".yaml", ".yml", ".csv")):
+        return Path(name_or_file)
+    return shipped_file("fabrics", name_or_file)
+
+
+def fabric_names() -> list[str]:
+    """Names of the shipped fabrics."""
+    return shipped_names("fabrics")
+
+
+def read_fabric(path: str | Path) -> KesSheet:
+    """The sheet in a fabric file, gaps and all. FileError for what is not plain YAML, FabricError for what is not a KES sheet."""
+    return sheet_from(read_yaml(path), str(path))
+
+
+def load_fabric(path: str | Path) -> Completed:
+    """The sheet in a fabric file (YAML, or CSV with one fabric), checked against itself and completed by the rules, with all findings."""
+    seen: tuple[Finding, ...] = ()
+    if Path(path).suffix.lower() == ".csv":
+        sheets, seen = read_kes_csv(path)
+        if len(sheets) > 1:
+            names = ", ".join(sheet.name for sheet in sheets[:10])
+            raise FabricError(f"{len(sheets)} fabrics came ({names}{', ...' if len(sheets) > 10 else ''}); a file of one fabric is wanted", file=str(path))
+        sheet = sheets[0]
+    else:
+        sheet = read_fabric(path)
+    try:
+        done = complete(sheet)
+    except FabricError as fault:
+        raise FabricError(fault.message, file=str(path), key=fault.key) from None
+    return done._replace(findings=(*seen, *done.findings))
+
+
+def write_fabric(path: str | Path, sheet: KesSheet) -> Path:
+    """Write a sheet as a fabric file that `read_fabric` reads back to an equal sheet. FileError where the folder cannot be written."""
+    return write_atomic(path, "\n".join(_lines(sheet_data(sheet), "")) + "\n")
+
+
+def _lines(data: dict[str, Any], indent: str) -> list[str]:
+    """YAML by hand, so that a value and its source stay on one line as people write them. JSON scalars are YAML scalars."""
+    lines: list[str] = []
+    for key, entry in data.items():
+        if isinstance(entry, dict) and "value" not in entry:
+            lines += [f"{indent}{_key(key)}:", *_lines(entry, indent + "  ")]
+        elif isinstance(entry, dict):
+            lines.append(f"{indent}{_key(key)}: {{{', '.join(f'{_key(name)}: {_scalar(value)}' for name, value in entry.items())}}}")
+        else:
+            lines.append(f"{indent}{_key(key)}: {_scalar(entry)}")
+    return lines
+
+
+def _key(key: str) -> str:
+    return key if _PLAIN.fullmatch(key) and key.lower() not in ("true", "false", "null") else _scalar(key)
+
+
+def _scalar(value: Any) -> str:
+    return json.dumps(value, ensure_ascii=False)

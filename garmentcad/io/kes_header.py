@@ -1,0 +1,89 @@
+"""The names and units with which laboratories label values: `B warp (gf.cm2/cm)`, `2HG5_gf_cm_mean`, `EMT-1 %`, `weight [g/m2]`, `bending rigidity weft`."""
+
+from __future__ import annotations
+
+import re
+from typing import NamedTuple
+
+from garmentcad.fabric.quantity import QUANTITIES
+
+_WORDS: dict[tuple[str, ...], str] = {
+    **{(name.lower(),): name for name in QUANTITIES},
+    ("mass", "per", "unit", "area"): "W",
+    ("areal", "density"): "W",
+    ("weight",): "W",
+    ("thickness",): "T0",
+    ("thickness", "tm"): "Tm",
+    ("tensile", "linearity"): "LT",
+    ("tensile", "energy"): "WT",
+    ("tensile", "resilience"): "RT",
+    ("tensile", "strain"): "EMT",
+    ("extensibility",): "EMT",
+    ("shear", "rigidity"): "G",
+    ("shear", "stiffness"): "G",
+    ("2hg", "0", "5"): "2HG",
+    ("2hg", "0", "5", "deg"): "2HG",
+    ("2hg", "5"): "2HG5",
+    ("2hg", "5", "deg"): "2HG5",
+    ("bending", "rigidity"): "B",
+    ("bending", "stiffness"): "B",
+    ("friction", "coefficient"): "MIU",
+    ("coefficient", "of", "friction"): "MIU",
+    ("geometrical", "roughness"): "SMD",
+}
+_DIRECTIONS = {"warp": "warp", "1": "warp", "weft": "weft", "filling": "weft", "2": "weft", "bias": "bias", "mean": "mean", "average": "mean", "avg": "mean"}
+_NUMBERED = re.compile(r"(lt|wt|rt|emt|2hg5|2hg|2hb|b|g)([12])")  # B1, B2: the testers' numbers of warp and weft
+
+# Letters of the unit run together -> factor to the testers' unit. A label without a unit is in the testers' unit.
+_UNITS: dict[str, dict[str, float]] = {
+    "-": {"": 1.0},
+    "%": {"": 1.0, "%": 1.0, "pct": 1.0, "percent": 1.0},
+    "mg/cm2": {"": 1.0, "mgcm2": 1.0, "gm2": 0.1, "gsm": 0.1},
+    "mm": {"": 1.0, "mm": 1.0},
+    "um": {"": 1.0, "um": 1.0, "micron": 1.0},
+    "gf/cm": {"": 1.0, "gfcm": 1.0, "nm": 1.0 / 0.980665},
+    "gf.cm/cm2": {"": 1.0, "gfcmcm2": 1.0, "jm2": 1.0 / 0.980665},
+    "gf/(cm.deg)": {"": 1.0, "gfcmdeg": 1.0, "gfcmdegree": 1.0},
+    "gf.cm2/cm": {"": 1.0, "gfcm2cm": 1.0, "unm": 1.0 / 98.0665},
+    "gf.cm/cm": {"": 1.0, "gfcmcm": 1.0},
+}
+
+
+class Label(NamedTuple):
+    """What a label means: the key of the sheet, and the factor from the label's unit to the testers'."""
+
+    key: str
+    factor: float
+
+
+def label_words(text: str) -> list[str]:
+    """Words of a label in small letters; exponents and the micro sign become plain letters, all punctuation separates."""
+    plain = text.lower()
+    for sign, letters in (("²", "2"), ("^2", "2"), ("µ", "u"), ("μ", "u"), ("°", " deg "), ("%", " % ")):
+        plain = plain.replace(sign, letters)
+    return [word for word in re.split(r"[^a-z0-9%]+", plain) if word]
+
+
+def read_label(text: str) -> Label | None:
+    """Meaning of a label, or None where any part of it is not understood (`B sd`, `DC %`, `B [lbf in]`)."""
+    words: list[str] = []
+    for word in label_words(text):
+        numbered = _NUMBERED.fullmatch(word) if word.upper() not in QUANTITIES else None
+        words += [numbered[1], numbered[2]] if numbered else [word]
+    found = [(start, -len(name), name) for name in _WORDS for start in range(len(words)) if tuple(words[start : start + len(name)]) == name]
+    if not found:
+        return None
+    start, _, matched = min(found)  # the earliest, and of those the longest: the g of `weight g/m2` is a unit
+    name = _WORDS[matched]
+    words = [*words[:start], *words[start + len(matched) :]]
+    quantity = QUANTITIES[name]
+    way, rest = "", []
+    for word in words:
+        if quantity.directions and not way and _DIRECTIONS.get(word) in quantity.directions:
+            way = _DIRECTIONS[word]
+        elif word != name.lower():  # `bending rigidity B`
+            rest.append(word)
+    factor = _UNITS[quantity.unit].get("".join(rest))
+    if factor is None:
+        return None
+    return Label(f"{name}.{way or 'mean'}" if quantity.directions else name, factor)

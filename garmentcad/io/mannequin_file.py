@@ -1,0 +1,105 @@
+"""Mannequins by name or file: YAML files of measurements (the shipped ones too) and body scans."""
+
+from __future__ import annotations
+
+import functools
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from garmentcad.arrays import frozen
+from garmentcad.errors import FileError, MannequinError, did_you_mean
+from garmentcad.io.mesh_file import MESH_ENDINGS, read_mesh
+from garmentcad.io.shipped import shipped_file, shipped_names
+from garmentcad.io.yaml_file import read_yaml
+from garmentcad.mannequin.human import KINDS, HumanModel
+from garmentcad.mannequin.make import make_mannequin
+from garmentcad.mannequin.mannequin import Mannequin
+from garmentcad.mannequin.pose import ARM_ANGLE_DEG
+from garmentcad.mannequin.scan import mannequin_of_scan
+
+_KEYS = {"schema", "units", "kind", "description", "source", "measurements", "arm_angle"}
+
+
+def mannequin_names() -> list[str]:
+    """Names of the shipped mannequins."""
+    return shipped_names("mannequins")
+
+
+@functools.lru_cache(maxsize=4)
+def read_mannequin(name_or_path: str | Path) -> Mannequin:
+    """A mannequin from a shipped name (woman-88), a YAML file of measurements, or an OBJ, PLY, STL or GLB scan (see `read_mesh`).
+
+    FileError, MannequinError or MeshError (with file and key) when it is refused.
+    """
+    text = str(name_or_path)
+    suffix = Path(text).suffix.lower()
+    if suffix in MESH_ENDINGS:
+        vertices, faces = read_mesh(text)
+        try:
+            return mannequin_of_scan(vertices, faces, name=Path(text).stem)
+        except MannequinError as fault:
+            raise MannequinError(fault.message, file=text, key=fault.key) from None
+    if suffix not in (".yaml", ".yml", "") or (suffix == "" and "/" in text):
+        raise FileError(f"the ending {suffix!r} is not that of a mannequin; allowed: .yaml, {', '.join(MESH_ENDINGS)}", file=text)
+    path = Path(text) if suffix else shipped_file("mannequins", text)
+    spec = _checked(read_yaml(path), text)
+    try:
+        return make_mannequin(read_human(spec["kind"]), spec["measurements"], name=path.stem, arm_angle_deg=spec.get("arm_angle", ARM_ANGLE_DEG))
+    except MannequinError as fault:
+        raise MannequinError(fault.message, file=text, key=fault.key) from None
+
+
+def _checked(data: Any, file: str) -> dict[str, Any]:
+    if not isinstance(data, dict):
+        raise MannequinError(f"a mapping is wanted, with {', '.join(sorted(_KEYS))}; this is a {type(data).__name__}", file=file)
+    for key in data:
+        if key not in _KEYS:
+            raise MannequinError(f"{key!r} is not a key of a mannequin file{did_you_mean(str(key), _KEYS)}", file=file)
+    for key, wanted in (("schema", 1), ("units", "mm")):
+        if data.get(key) != wanted:
+            raise MannequinError(f"{data.get(key)!r} is refused; allowed: {wanted}", file=file, key=key)
+    if data.get("kind") not in KINDS:
+        raise MannequinError(f"{data.get('kind')!r} is not a kind of body; allowed: {', '.join(KINDS)}", file=file, key="kind")
+    if not isinstance(data.get("measurements"), dict):
+        raise MannequinError("a mapping of measurement names to mm is wanted", file=file, key="measurements")
+    angle = data.get("arm_angle", ARM_ANGLE_DEG)
+    if isinstance(angle, bool) or not isinstance(angle, int | float):
+        raise MannequinError(f"{angle!r} is not a number of degrees", file=file, key="arm_angle")
+    return data
+
+
+@functools.lru_cache(maxsize=2)
+def read_human(kind: str) -> HumanModel:
+    """The shipped bodies of a kind (woman or man) from human.npz. FileError when the file is damaged."""
+    path = shipped_file("mannequins", "human.npz")
+    gender = KINDS[kind]
+    try:
+        with np.load(path, allow_pickle=False) as data:
+            arrays = {name: data[name] for name in data.files}
+        names = [str(name) for name in arrays["target_names"]]
+        mine = [k for k, name in enumerate(names) if name.count("-") != 2 or name.startswith(gender + "-")]
+        rings = [str(name) for name in arrays["joint_names"]]
+        keep = [k for k, name in enumerate(rings) if "_" not in name or name.endswith("_" + gender)]
+        suffix = "_" + gender
+        marks = {str(name): int(vertex) for name, vertex in zip(arrays["landmark_names"], arrays["landmark_vertices"])}
+        others = tuple("_" + other for other in KINDS.values() if other != gender)
+        return HumanModel(
+            kind=kind,
+            base=frozen(arrays["base"]),
+            faces=frozen(arrays["faces"]),
+            border=int(arrays["border"]),
+            target_names=tuple(names[k] for k in mine),
+            targets=frozen(arrays["targets"][mine] * arrays["target_scale"][mine, None, None]),
+            joint_names=tuple(rings[k].replace(suffix, "_level") for k in keep),
+            joints=frozen(arrays["joints"][keep]),
+            joint_targets=frozen(arrays["joint_targets"][np.ix_(mine, keep)]),
+            arm_weight=frozen(arrays["arm_weight"].astype(np.float64)),
+            landmarks={name.removesuffix(suffix): vertex for name, vertex in marks.items() if not name.endswith(others)},
+            part_names=tuple(str(name) for name in arrays["part_names"]),
+            face_part=frozen(arrays["face_part"]),
+        )
+    except (OSError, ValueError, KeyError, IndexError, zipfile.BadZipFile) as fault:
+        raise FileError(f"the shipped body file is damaged: {fault}; build it anew with tools/build_human.py", file=str(path)) from None

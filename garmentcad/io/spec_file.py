@@ -1,0 +1,62 @@
+"""Garment specs as YAML files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from garmentcad.errors import SpecError
+from garmentcad.io.atomic import write_atomic
+from garmentcad.io.yaml_file import plain_scalar, read_yaml
+from garmentcad.pattern.parse import parse_spec, shown
+from garmentcad.pattern.spec import GarmentSpec
+
+
+def read_spec(path: str | Path) -> GarmentSpec:
+    """The garment spec in a YAML file. FileError for a file that is not plain YAML, SpecError (file, key path, what came, what is allowed) for its content."""
+    file = str(path)
+    data = read_yaml(path)
+    if not isinstance(data, dict):
+        raise SpecError(f"a garment spec is a mapping, came {shown(data)}", file=file)
+    for key, wanted in (("schema", 1), ("units", "mm")):
+        if key not in data:  # a Python script may leave them out, a file says what it is
+            raise SpecError(f"this key is missing; the first lines of a spec are `schema: 1` and `units: mm` (wanted here: {wanted})", file=file, key=key)
+    return parse_spec(data, file)
+
+
+def write_spec(spec: GarmentSpec, path: str | Path) -> Path:
+    """Write a spec as YAML that `read_spec` reads back to an equal one. Values that are defaults are left out. FileError where it cannot be written."""
+    data = {"schema": spec.schema_version, "units": spec.units, **spec.model_dump(mode="json", by_alias=True, exclude_defaults=True)}
+    return write_atomic(path, yaml.dump(data, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=140))
+
+
+class _Dumper(yaml.SafeDumper):
+    """Plain YAML whose texts come back as texts: quoted wherever our own reader would see something else."""
+
+    def ignore_aliases(self, data: Any) -> bool:
+        return True
+
+
+def _stays_text(value: str) -> bool:
+    try:
+        return isinstance(plain_scalar(value), str)
+    except ValueError:
+        return False
+
+
+def _text(dumper: yaml.SafeDumper, value: str) -> yaml.ScalarNode:
+    # Quoted where our reader would see something else, or would turn a rare line break into a plain one.
+    plain = _stays_text(value) and not set(value) & set("\r\x85\u2028\u2029")
+    style = None if plain else '"'
+    return dumper.represent_scalar("tag:yaml.org,2002:str", value, style=style)
+
+
+def _list(dumper: yaml.SafeDumper, value: list[Any]) -> yaml.SequenceNode:
+    scalars = not any(isinstance(item, (list, dict)) for item in value)
+    return dumper.represent_sequence("tag:yaml.org,2002:seq", value, flow_style=scalars)
+
+
+_Dumper.add_representer(str, _text)
+_Dumper.add_representer(list, _list)

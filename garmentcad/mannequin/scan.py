@@ -1,0 +1,190 @@
+"""A scanned body as a mannequin. Landmarks are estimated from proportions of the stature and snapped to the surface; girths are taped on it."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+from garmentcad.arrays import floats, frozen, indices
+from garmentcad.errors import MannequinError
+from garmentcad.mannequin.cylinder import enclosing, on_floor
+from garmentcad.mannequin.mannequin import ArrangementCylinder, Mannequin
+from garmentcad.mannequin.tape import cut, tape
+from garmentcad.units import M_TO_MM
+
+PART_NAMES = ("torso", "arm_left", "arm_right", "leg_left", "leg_right", "head")
+_UP, _FRONT = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
+# Heights as shares of the stature (the shipped bodies' proportions; estimates for any other body).
+_SHARES = {"knee": 0.272, "crotch": 0.453, "hip": 0.494, "waist": 0.617, "bust": 0.720, "armpit": 0.742, "shoulder": 0.818, "neck_front": 0.833, "nape": 0.863}
+_REACH = 0.18
+_SHOULDER_X, _ARMPIT_X, _NECK_X = 0.108, 0.100, 0.060
+_BACK_WIDTH, _CHEST_FRONT = 0.39, 0.37  # of the bust
+
+
+def mannequin_of_scan(vertices: np.ndarray, faces: np.ndarray, *, name: str) -> Mannequin:
+    """The mannequin of a closed scan: vertices (V,3) m, y up, facing +z, arms away from the body, legs apart; it is moved to the floor and to x = 0.
+
+    `estimated` names what rests on proportions: all landmarks but waist and hip, all heights and lengths. Girths are taped in those planes.
+    MannequinError when a plane misses the body (not a standing body with two legs and two arms).
+    """
+    points = vertices - [0.0, vertices[:, 1].min(), 0.0]
+    stature = float(points[:, 1].max())
+    heights = {level: share * stature for level, share in _SHARES.items()}
+    ring = cut(points, faces, heights["waist"] * _UP, _UP).points
+    if len(ring) < 3:
+        raise MannequinError("there is no body at waist height")
+    trunk = ring[np.abs(ring[:, 0] - np.median(ring[:, 0])) < 0.15 * stature]
+    points = points - [0.5 * (trunk[:, 0].min() + trunk[:, 0].max()), 0.0, 0.5 * (trunk[:, 2].min() + trunk[:, 2].max())]
+    knees = cut(points, faces, heights["knee"] * _UP, _UP).points
+    if len(knees) == 0 or np.abs(knees[:, 0]).min() < 0.003:
+        raise MannequinError("the legs are not apart at knee height; a body that stands with its legs apart is wanted (y up, facing +z)")
+    if min(points[:, 0].max(), -points[:, 0].min()) < _REACH * stature:
+        raise MannequinError("the arms are not away from the body (the hands must reach out 0.18 of the stature to both sides)")
+    marks = _landmarks(points, faces, heights, stature)
+    part = _parts(points, faces, marks)
+    counts = np.bincount(part, minlength=len(PART_NAMES))
+    if (counts < 3).any():
+        raise MannequinError(f"no {PART_NAMES[int(counts.argmin())]} is found where a standing body has it (y up, facing +z, arms away from the body)")
+    measured = _measurements(points, faces, part, marks, heights, stature)
+    girths = ("bust", "waist", "hip", "neck_base", "top_arm", "wrist", "thigh", "stature")
+    return Mannequin(
+        name=name,
+        vertices=frozen(floats(points)),
+        faces=frozen(indices(faces)),
+        measurements_mm=measured,
+        landmarks=marks,
+        cylinders=_cylinders(points, faces, part, marks, heights),
+        part_names=PART_NAMES,
+        face_part=frozen(indices(part)),
+        estimated=tuple(key for key in measured if key not in girths) + tuple(key for key in marks if not key.startswith(("waist", "hip"))),
+    )
+
+
+def _nearest(points: np.ndarray, place: list[float]) -> np.ndarray:
+    return points[np.linalg.norm(points - place, axis=1).argmin()]
+
+
+def _landmarks(points: np.ndarray, faces: np.ndarray, heights: dict[str, float], stature: float) -> dict[str, np.ndarray]:
+    def level(height: float, reach: float) -> np.ndarray:
+        ring = cut(points, faces, height * _UP, _UP).points
+        ring = ring[np.abs(ring[:, 0]) < reach * stature]
+        if len(ring) < 3:
+            raise MannequinError(f"there is no body at {height:.2f} m above the floor")
+        return ring
+
+    marks: dict[str, np.ndarray] = {}
+    for name in ("waist", "hip"):
+        ring = level(heights[name], 0.14)
+        middle = ring[np.abs(ring[:, 0]) < 0.03 * stature]
+        marks |= {f"{name}_front": middle[middle[:, 2].argmax()], f"{name}_back": middle[middle[:, 2].argmin()]}
+        marks |= {f"{name}_left": ring[ring[:, 0].argmax()], f"{name}_right": ring[ring[:, 0].argmin()]}
+    for name, facing in (("nape", -1.0), ("neck_front", 1.0)):
+        ring = level(heights[name], 0.02)
+        marks[name] = ring[(facing * ring[:, 2]).argmax()]
+    marks["crotch"] = np.array([0.0, heights["crotch"], 0.5 * (marks["hip_front"][2] + marks["hip_back"][2])])
+    depth = 0.5 * (marks["nape"][2] + marks["neck_front"][2])
+    neck_height = 0.5 * (marks["nape"][1] + marks["neck_front"][1])
+    for side, sign in (("left", 1.0), ("right", -1.0)):
+        half = points[sign * points[:, 0] > 0]
+        if len(half) < 3:
+            raise MannequinError(f"there is no body on the {side} side")
+        marks[f"neck_side_{side}"] = _nearest(half, [sign * 0.6 * _NECK_X * stature, neck_height, depth])
+        shoulder = marks[f"shoulder_point_{side}"] = _nearest(half, [sign * _SHOULDER_X * stature, heights["shoulder"], depth])
+        marks[f"armpit_{side}"] = np.array([sign * _ARMPIT_X * stature, heights["armpit"], shoulder[2]])
+        band = half[(np.abs(half[:, 1] - heights["bust"]) < 0.012 * stature) & (np.abs(np.abs(half[:, 0]) - 0.05 * stature) < 0.02 * stature)]
+        marks[f"bust_point_{side}"] = band[band[:, 2].argmax()] if len(band) else _nearest(half, [sign * 0.05 * stature, heights["bust"], 0.2])
+        tip = half[np.abs(half[:, 0]).argmax()]
+        start = shoulder - [0.0, 0.03 * stature, 0.0]
+        marks[f"elbow_{side}"], marks[f"wrist_{side}"] = start + 0.43 * (tip - start), start + 0.77 * (tip - start)
+        for name, height in (("knee", heights["knee"]), ("ankle", 0.045 * stature)):
+            ring = cut(points, faces, height * _UP, _UP).points
+            ring = ring[sign * ring[:, 0] > 0]
+            if len(ring) < 3:
+                raise MannequinError(f"there is no {side} leg at {height:.2f} m above the floor")
+            marks[f"{name}_{side}"] = 0.5 * (ring.min(0) + ring.max(0))
+    return marks
+
+
+def _neck_normal(marks: dict[str, np.ndarray]) -> np.ndarray:
+    normal = np.cross(marks["neck_front"] - marks["nape"], [1.0, 0.0, 0.0])
+    normal /= np.linalg.norm(normal)
+    return normal * np.sign(normal[1])
+
+
+def _parts(points: np.ndarray, faces: np.ndarray, marks: dict[str, np.ndarray]) -> np.ndarray:
+    """Arms beyond the planes through shoulder point and armpit, legs below the crotch, head above the neck base plane."""
+    centre = points[faces].mean(1)
+    part = np.zeros(len(faces), np.int32)
+    part[(centre - marks["nape"]) @ _neck_normal(marks) > 0] = PART_NAMES.index("head")
+    part[centre[:, 1] < marks["crotch"][1]] = np.where(centre[:, 0] > 0, PART_NAMES.index("leg_left"), PART_NAMES.index("leg_right"))[
+        centre[:, 1] < marks["crotch"][1]
+    ]
+    for side, sign in (("left", 1.0), ("right", -1.0)):
+        tip, pit, wrist = (sign * marks[f"{name}_{side}"][0] for name in ("shoulder_point", "armpit", "wrist"))
+        heights = [marks[f"{name}_{side}"][1] for name in ("wrist", "armpit", "shoulder_point")]
+        limit = np.interp(centre[:, 1], heights, [0.6 * wrist + 0.4 * pit, pit, tip])
+        part[(sign * centre[:, 0] > limit) & (centre[:, 1] < marks[f"shoulder_point_{side}"][1] + 0.05)] = PART_NAMES.index(f"arm_{side}")
+    return part
+
+
+def _measurements(
+    points: np.ndarray, faces: np.ndarray, part: np.ndarray, marks: dict[str, np.ndarray], heights: dict[str, float], stature: float
+) -> dict[str, float]:
+    def of(*names: str) -> np.ndarray:
+        return faces[np.isin(part, [PART_NAMES.index(name) for name in names])]
+
+    def girth(chosen: np.ndarray, origin: np.ndarray, normal: np.ndarray) -> float:
+        return M_TO_MM * tape(points, chosen, origin, normal / np.linalg.norm(normal)).girth
+
+    def between(*names: str) -> float:
+        return M_TO_MM * float(sum(np.linalg.norm(marks[b] - marks[a]) for a, b in pairwise(names)))
+
+    found = {name: girth(of("torso"), heights[name] * _UP, _UP) for name in ("bust", "waist", "hip")}
+    found["thigh"] = girth(of("leg_left"), (heights["crotch"] - 0.02) * _UP, _UP)
+    found["neck_base"] = girth(of("torso", "head"), marks["nape"], _neck_normal(marks))
+    forearm = marks["wrist_left"] - marks["elbow_left"]
+    upper = 0.5 * (marks["shoulder_point_left"] + marks["elbow_left"])
+    found["top_arm"] = girth(of("arm_left"), upper, marks["elbow_left"] - marks["shoulder_point_left"])
+    found["wrist"] = girth(of("arm_left"), marks["wrist_left"], forearm)
+    found["stature"] = M_TO_MM * stature
+    found["back_width"], found["chest_front"] = _BACK_WIDTH * found["bust"], _CHEST_FRONT * found["bust"]
+    found["shoulder"] = between("neck_side_left", "shoulder_point_left")
+    found["arm_length"] = between("shoulder_point_left", "elbow_left", "wrist_left")
+    for name in ("knee", "crotch", "hip", "waist", "bust", "shoulder", "neck_front", "nape"):
+        found[f"{name}_height"] = M_TO_MM * heights[name]
+    found["armscye_depth"] = M_TO_MM * (heights["nape"] - heights["armpit"])
+    for name, low, high in (("nape_to_waist", "waist", "nape"), ("waist_to_hip", "hip", "waist"), ("waist_to_knee", "knee", "waist")):
+        found[name] = M_TO_MM * (heights[high] - heights[low])
+    found["waist_to_floor"] = M_TO_MM * heights["waist"]
+    return found
+
+
+def _cylinders(
+    points: np.ndarray, faces: np.ndarray, part: np.ndarray, marks: dict[str, np.ndarray], heights: dict[str, float]
+) -> dict[str, ArrangementCylinder]:
+    def of(name: str) -> np.ndarray:
+        return points[np.unique(faces[part == PART_NAMES.index(name)])]
+
+    torso = of("torso")
+    torso = torso[(torso[:, 1] > heights["hip"] - 0.02) & (torso[:, 1] < heights["shoulder"])]
+    axis = _neck_normal(marks)
+    base = 0.5 * (marks["nape"] + marks["neck_front"])
+    head = of("head")
+    found = {
+        "torso": enclosing(torso, on_floor(torso), _UP, _FRONT),
+        "neck": enclosing(head[(head - base) @ axis < 0.05], base, axis, _FRONT - (_FRONT @ axis) * axis),
+    }
+    for side, sign in (("left", 1.0), ("right", -1.0)):
+        leg = of(f"leg_{side}")
+        leg = leg[leg[:, 1] > marks[f"ankle_{side}"][1]]
+        found[f"leg_{side}"] = enclosing(leg, on_floor(leg), _UP, _FRONT)
+        shoulder = marks[f"shoulder_point_{side}"] - [0.0, 0.03 * marks["nape"][1], 0.0]
+        up = shoulder - marks[f"wrist_{side}"]
+        length = np.linalg.norm(up)
+        up = up / length
+        outward = sign * np.array([1.0, 0.0, 0.0])
+        arm = of(f"arm_{side}")
+        along = (arm - shoulder) @ up
+        found[f"arm_{side}"] = enclosing(arm[(along < -0.05) & (along > -length)], shoulder, up, outward - (outward @ up) * up)
+    return found

@@ -1,0 +1,88 @@
+"""Mirror images: a half panel unfolded over a straight edge, and a whole panel turned into its left-right twin."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+from garmentcad.errors import SpecError
+from garmentcad.geometry.curve import Line, Point, mirror_point
+from garmentcad.pattern.darts import find_edge
+from garmentcad.pattern.outline import finish_loop, mirror_edge
+from garmentcad.pattern.pattern import Edge, Panel, Region, Transform, Wrap
+
+SUFFIX = "_m"
+
+
+def unfold(half: Panel, mirror: str, key: str) -> Panel:
+    """The whole panel of a half one: its mirror edge goes, mirrored edges, points, darts, regions, lines, holes get the suffix `_m`.
+
+    The two points of the mirror edge lie on the fold and keep their names; notches keep theirs too, so that they meet the same notch on either side.
+    SpecError: unknown or curved mirror edge, a mirror edge with a dart, a name that the suffix makes twice.
+    """
+    where = find_edge(half.edges, mirror, key)
+    fold = half.edges[where]
+    if not isinstance(fold.curve, Line) or math.dist(fold.curve.start, fold.curve.end) == 0.0:
+        raise SpecError(f"edge {mirror!r} is not straight (or has no length); a panel is mirrored over a straight edge", key=key)
+    if any(edge.name == mirror and k != where for k, edge in enumerate(half.edges)):
+        raise SpecError(f"edge {mirror!r} is cut by a dart; put half of the dart on the edges beside it", key=key)
+    point, direction = fold.curve.start, _direction(fold.curve)
+
+    def renamed(name: str) -> str:
+        return name if name in (fold.start, fold.end) else name + SUFFIX
+
+    drawn = [*half.edges[where + 1 :], *half.edges[:where]]
+    image = _mirrored(half, point, direction, renamed, SUFFIX)
+    turned = [mirror_edge(edge, point, direction, renamed, SUFFIX) for edge in reversed(drawn)]
+    old = {edge.name for loop in (drawn, *half.holes) for edge in loop}
+    new = {edge.name for loop in (turned, *image.holes) for edge in loop}
+    for taken in sorted(old & new) + sorted(half.points.keys() & image.points.keys() - {fold.start, fold.end}):
+        raise SpecError(f"two edges or points would be called {taken!r} once the panel is unfolded; rename the one that ends with {SUFFIX}", key=key)
+    return replace(
+        half,
+        edges=finish_loop([*drawn, *turned]),
+        holes=half.holes + image.holes,
+        regions=half.regions + image.regions,
+        internal_lines=half.internal_lines | image.internal_lines,
+        drill_holes=half.drill_holes | image.drill_holes,
+        points=image.points | half.points,
+    )
+
+
+def mirrored_panel(panel: Panel, name: str, placement: Wrap | Transform) -> Panel:
+    """The left-right twin of a whole panel: x becomes -x, every name stays."""
+    point, direction = (0.0, 0.0), (0.0, 1.0)
+    image = _mirrored(panel, point, direction, lambda text: text, "")
+    edges = [mirror_edge(edge, point, direction, lambda text: text, "") for edge in reversed(panel.edges)]
+    return replace(image, name=name, edges=finish_loop(edges), grain_deg=-panel.grain_deg, placement=placement)
+
+
+def _direction(line: Line) -> Point:
+    return line.end[0] - line.start[0], line.end[1] - line.start[1]
+
+
+def _mirrored(panel: Panel, point: Point, direction: Point, renamed: Callable[[str], str], suffix: str) -> Panel:
+    """A panel with all but its edges mirrored."""
+
+    def region(area: Region) -> Region:
+        polygon = area.polygon_mm.copy()
+        for k, corner in enumerate(area.polygon_mm):
+            polygon[k] = mirror_point((float(corner[0]), float(corner[1])), point, direction)
+        return replace(area, name=area.name + suffix, polygon_mm=polygon[::-1].copy())
+
+    def hole(loop: tuple[Edge, ...]) -> tuple[Edge, ...]:
+        return finish_loop([mirror_edge(edge, point, direction, renamed, suffix) for edge in reversed(loop)])
+
+    lines = {name + suffix: line.copy() for name, line in panel.internal_lines.items()}
+    for line in lines.values():
+        for k, corner in enumerate(line):
+            line[k] = mirror_point((float(corner[0]), float(corner[1])), point, direction)
+    return replace(
+        panel,
+        holes=tuple(hole(loop) for loop in panel.holes),
+        regions=tuple(region(area) for area in panel.regions),
+        internal_lines=lines,
+        drill_holes={name + suffix: mirror_point(place, point, direction) for name, place in panel.drill_holes.items()},
+        points={renamed(name): mirror_point(place, point, direction) for name, place in panel.points.items()},
+    )

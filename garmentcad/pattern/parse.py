@@ -1,0 +1,50 @@
+"""From plain data to a GarmentSpec: every fault that pydantic finds becomes a SpecError with its key path, what came and what is allowed."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic import ValidationError
+
+from garmentcad.errors import SpecError
+from garmentcad.pattern.spec import GarmentSpec
+
+
+def parse_spec(data: Any, file: str | None = None) -> GarmentSpec:
+    """GarmentSpec of plain data as read from YAML. SpecError with the first fault otherwise, naming how many there are."""
+    try:
+        spec = GarmentSpec.model_validate(data)
+    except ValidationError as fault:
+        errors = spec_errors(fault, file)
+        more = f" (and {len(errors) - 1} more faults)" if len(errors) > 1 else ""
+        raise SpecError(errors[0].message + more, file=file, key=errors[0].key) from None
+    spec._file = file
+    return spec
+
+
+def spec_errors(fault: ValidationError, file: str | None) -> list[SpecError]:
+    """One SpecError for each fault that pydantic found."""
+    found = []
+    for error in fault.errors(include_url=False):
+        # Tags of unions (<drawn>) and the mark of a dict key ([key]) are pydantic's own, not the user's.
+        path = [str(part) for part in error["loc"] if not str(part).startswith("<") and part != "[key]"]
+        context = error.get("ctx", {})
+        kind, message = error["type"], error["msg"]
+        if kind == "unknown_key":
+            path.append(context["key"])
+            if " " in context["key"]:
+                message += " (a text with a comma or colon inside braces needs quotes)"
+        elif kind == "missing":
+            message = "this key is missing"
+        elif kind in ("model_type", "model_attributes_type", "dict_type"):
+            message = f"a mapping is wanted, came {shown(error['input'])}"
+        elif kind not in ("one_of", "arc", "later"):
+            message = f"{message[:1].lower()}{message[1:]}, came {shown(error['input'])}"
+        found.append(SpecError(message, file=file, key=".".join(path) or None))
+    return found
+
+
+def shown(value: Any) -> str:
+    """A value as it is quoted in messages: short, on one line."""
+    text = {None: "nothing", True: "true", False: "false"}.get(value, repr(value)) if value is None or isinstance(value, bool) else repr(value)
+    return text if len(text) <= 80 else f"{text[:77]}..."

@@ -1,0 +1,48 @@
+"""Regions of a panel: polygons, bands along an edge, and the interfacing of a whole panel."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+
+from garmentcad.arrays import frozen
+from garmentcad.errors import SpecError
+from garmentcad.geometry.polygon import loop_points, signed_area
+from garmentcad.pattern.darts import find_edge
+from garmentcad.pattern.pattern import Edge, Region
+from garmentcad.pattern.scope import Scope
+from garmentcad.pattern.spec import PanelSpec, RegionSpec
+
+_TOLERANCE_MM = 0.05
+
+
+def draft_regions(spec: PanelSpec, edges: list[Edge], scope: Scope, key: str) -> tuple[Region, ...]:
+    """Regions of a panel with a counter-clockwise outline. A panel's own interfacing is a region over all of it, before the others."""
+    outline = loop_points([edge.curve for edge in edges], _TOLERANCE_MM)
+    regions = [Region("interfacing", frozen(outline), interfacing=spec.interfacing)] if spec.interfacing else []
+    names = [region.name for region in spec.regions]
+    for k, region in enumerate(spec.regions):
+        where = f"{key}.regions.{k}"
+        if names.index(region.name) < k:
+            raise SpecError(f"a second region is called {region.name!r}; names differ within a panel", key=f"{where}.name")
+        factors = {name: scope.number(factor, f"{where}.factors.{name}", 0.0, 1e4) for name, factor in region.factors.items()}
+        for polygon in _areas(region, edges, outline, scope, where):
+            regions.append(Region(region.name, frozen(polygon), factors, region.fabric, region.interfacing))
+    return tuple(regions)
+
+
+def _areas(region: RegionSpec, edges: list[Edge], outline: np.ndarray, scope: Scope, key: str) -> list[np.ndarray]:
+    if region.polygon is not None:
+        polygon = np.array([scope.point(pair, f"{key}.polygon.{k}") for k, pair in enumerate(region.polygon)])
+        area = signed_area(polygon)
+        if area == 0.0:
+            raise SpecError("the polygon of the region encloses no area", key=f"{key}.polygon")
+        return [polygon if area > 0.0 else polygon[::-1].copy()]
+    assert region.band is not None  # the model allows no third form
+    find_edge(edges, region.band.edge, f"{key}.band.edge")
+    width = scope.positive(region.band.width, f"{key}.band.width")
+    lines = [edge.curve.polyline(_TOLERANCE_MM) for edge in edges if edge.name == region.band.edge]
+    band = shapely.MultiLineString(lines).buffer(width, quad_segs=16).intersection(shapely.make_valid(shapely.Polygon(outline)))
+    # Area within `width` of the edge; where the outline is narrow it can fall apart.
+    parts = [part for part in shapely.get_parts(band) if part.geom_type == "Polygon" and part.area > 1.0]
+    return [np.array(shapely.geometry.polygon.orient(part).exterior.coords)[:-1] for part in parts]

@@ -1,0 +1,27 @@
+"""Placement: every panel of a pattern laid around the mannequin by its mapping rule."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from garmentcad.cloth.cloth import Cloth
+from garmentcad.errors import SpecError
+from garmentcad.mannequin.mannequin import Mannequin
+from garmentcad.pattern.pattern import Pattern, Transform
+from garmentcad.placement.wrap import transform_points, wrap_points
+
+
+def place_vertices(pattern: Pattern, cloth: Cloth, mannequin: Mannequin) -> np.ndarray:
+    """World positions (V,3) in m of all cloth vertices, not yet sewn. SpecError where a rule names a body part that the mannequin lacks."""
+    positions = np.empty((len(cloth.vertex_uv_mm), 3))
+    for index, name in enumerate(cloth.panel_names):
+        rule = pattern.panels[name].placement
+        chosen = cloth.vertex_panel == index
+        if isinstance(rule, Transform):
+            positions[chosen] = transform_points(cloth.vertex_uv_mm[chosen], rule)
+            continue
+        if rule.part not in mannequin.cylinders:
+            message = f"mannequin {mannequin.name} has no part '{rule.part}'; allowed: {', '.join(mannequin.cylinders)}"
+            raise SpecError(message, key=f"panels.{name}.placement.wrap.part")
+        positions[chosen] = wrap_points(cloth.vertex_uv_mm[chosen], rule, mannequin.cylinders[rule.part])
+    return positions

@@ -1,0 +1,62 @@
+"""Mapping rules that lay flat panel points in space without stretching them: on an elliptic cylinder, on a cone, or flat."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from garmentcad.mannequin.mannequin import ArrangementCylinder
+from garmentcad.pattern.pattern import Transform, Wrap
+from garmentcad.units import MM_TO_M
+
+_TURN_STEPS = 7200  # parameter steps of one turn of the ellipse; the arc-length table is then good to 1e-7 of the girth
+
+
+def wrap_points(uv_mm: np.ndarray, wrap: Wrap, cylinder: ArrangementCylinder) -> np.ndarray:
+    """Points (N,2) of a panel in mm to world points (N,3) in m, by the rule `wrap` on `cylinder` (see `Wrap`)."""
+    turn = np.deg2rad(wrap.turn_deg)
+    rotation = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+    local = (uv_mm - np.asarray(wrap.anchor_mm)) @ rotation.T * MM_TO_M
+    radius_ref = (cylinder.radius_ref + wrap.offset_mm * MM_TO_M) * wrap.scale
+    radius_side = (cylinder.radius_side + wrap.offset_mm * MM_TO_M) * wrap.scale
+    height = wrap.height_mm * MM_TO_M
+    if wrap.flare_deg > 0.0:
+        angle, along, radius = _on_cone(local, np.deg2rad(wrap.angle_deg), height, 0.5 * (radius_ref + radius_side), np.deg2rad(wrap.flare_deg))
+        ref_part, side_part = radius * np.cos(angle), radius * np.sin(angle)
+    else:
+        angle = _angle_at_arc_length(local[:, 0], np.deg2rad(wrap.angle_deg), radius_ref, radius_side)
+        along = height + local[:, 1]
+        ref_part, side_part = radius_ref * np.cos(angle), radius_side * np.sin(angle)
+    side = np.cross(cylinder.up, cylinder.ref)
+    return cylinder.origin + along[:, None] * cylinder.up + ref_part[:, None] * cylinder.ref + side_part[:, None] * side
+
+
+def _on_cone(local: np.ndarray, angle: float, height: float, radius: float, half_angle: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Angle, height and radius on a cone of `half_angle` that widens downward and has `radius` at the anchor (local origin)."""
+    slant = radius / np.sin(half_angle)
+    from_apex = local - np.array([0.0, slant])
+    distance = np.hypot(from_apex[:, 0], from_apex[:, 1])
+    bearing = np.arctan2(from_apex[:, 0], -from_apex[:, 1])
+    return angle + bearing / np.sin(half_angle), height + (slant - distance) * np.cos(half_angle), distance * np.sin(half_angle)
+
+
+def _angle_at_arc_length(arc: np.ndarray, start: float, radius_ref: float, radius_side: float) -> np.ndarray:
+    """Ellipse parameter reached after walking `arc` (N,) m from parameter `start` [rad]."""
+    turns = int(np.ceil((np.abs(arc).max(initial=0.0)) / (2.0 * np.pi * min(radius_ref, radius_side)))) + 1
+    parameter = np.linspace(start - turns * 2.0 * np.pi, start + turns * 2.0 * np.pi, 2 * turns * _TURN_STEPS + 1)
+    middle = 0.5 * (parameter[1:] + parameter[:-1])
+    pace = np.hypot(radius_ref * np.sin(middle), radius_side * np.cos(middle))
+    walked = np.concatenate([[0.0], np.cumsum(pace * np.diff(parameter))])
+    return np.interp(arc, walked - walked[turns * _TURN_STEPS], parameter)
+
+
+def transform_points(uv_mm: np.ndarray, transform: Transform) -> np.ndarray:
+    """Points (N,2) of a panel in mm to world points (N,3) in m: x = Rz Ry Rx (u, v, 0) + t."""
+    about_x, about_y, about_z = np.deg2rad(transform.rotation_deg)
+    cx, sx, cy, sy, cz, sz = np.cos(about_x), np.sin(about_x), np.cos(about_y), np.sin(about_y), np.cos(about_z), np.sin(about_z)
+    rotation = (
+        np.array([[cz, -sz, 0.0], [sz, cz, 0.0], [0.0, 0.0, 1.0]])
+        @ np.array([[cy, 0.0, sy], [0.0, 1.0, 0.0], [-sy, 0.0, cy]])
+        @ np.array([[1.0, 0.0, 0.0], [0.0, cx, -sx], [0.0, sx, cx]])
+    )
+    flat = np.column_stack([uv_mm, np.zeros(len(uv_mm))])
+    return (flat @ rotation.T + np.asarray(transform.translation_mm)) * MM_TO_M

@@ -1,0 +1,50 @@
+"""Checkpoint: one State in one .npz file without pickle, written whole or not at all."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from pathlib import Path
+
+import numpy as np
+
+from garmentcad.cloth.state import State
+from garmentcad.errors import CheckpointError
+from garmentcad.io.atomic import write_atomic
+
+SCHEMA = 1
+
+
+def save_state(path: Path, state: State, identity: dict[str, str]) -> None:
+    """Write `state`. identity: what the run is (hashes of spec, fabric, mannequin, program version); `load_state` demands the same."""
+    head = {
+        "schema": SCHEMA, "identity": identity, "time_s": state.time_s, "step": state.step, "time_step_s": state.time_step_s, "phase": state.phase,
+        "run": state.run, "work_j": state.work_j,
+    }  # fmt: skip
+    arrays = {"positions": state.positions, "velocities": state.velocities, "constraint_speeds": state.constraint_speeds, "head": np.frombuffer(json.dumps(head).encode(), dtype=np.uint8)}
+    arrays |= {f"friction.{name}": array for name, array in state.friction.items()} | {f"contact.{name}": array for name, array in state.contact.items()}
+    write_atomic(path, lambda stream: np.savez(stream, **arrays))  # type: ignore[arg-type]
+
+
+def load_state(path: Path, identity: dict[str, str] | None = None) -> State:
+    """Read a State. CheckpointError where the file is torn, or was made by another run than `identity` says."""
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            arrays = {name: file[name] for name in file.files}
+        head = json.loads(bytes(arrays.pop("head")).decode())
+        state = State(
+            arrays["positions"], arrays["velocities"], head["time_s"], head["step"], head["time_step_s"], head["phase"], arrays["constraint_speeds"],
+            {name[9:]: array for name, array in arrays.items() if name.startswith("friction.")},
+            {name[8:]: array for name, array in arrays.items() if name.startswith("contact.")},
+            head["run"], head["work_j"],
+        )  # fmt: skip
+        made_by = head["identity"]
+    except FileNotFoundError:
+        raise CheckpointError("there is no checkpoint to resume from", file=str(path)) from None
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
+        raise CheckpointError(f"not a whole checkpoint of this program ({type(error).__name__}: {error})", file=str(path)) from None
+    if identity is not None and made_by != identity:
+        unlike = [key for key in sorted({*made_by, *identity}) if made_by.get(key) != identity.get(key)]
+        differing = ", ".join(f"{key}: {made_by.get(key)} there, {identity.get(key)} here" for key in unlike)
+        raise CheckpointError(f"the checkpoint belongs to another run ({differing})", file=str(path))
+    return state

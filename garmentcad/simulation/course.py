@@ -1,0 +1,112 @@
+"""The course of a drape: close the seams without gravity, weld, fall, settle, watch. Each phase is a few numbers and a question that ends it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from garmentcad.cloth.state import State
+from garmentcad.forces.drag import DEFAULT_RATE, ForceDrag
+from garmentcad.solve.dynamics import STEPS_PER_ESTIMATE, Dynamics
+from garmentcad.solve.rest import Residual, patches, residual
+
+STEPS_PER_LOOK = 6 * STEPS_PER_ESTIMATE  # a phase begins with a fresh time step
+CLOSED_M = 0.3e-3  # seams are welded below this gap (the report's bar is 1 mm)
+CLOSING_RATE = 14.0  # 1/s, of the dynamic constraints
+CLOSING_PULL_N_M = 100.0  # per length of seam, at most: a fifth of what the tensile tester pulls
+CLOSING_DRAG = 12.0  # 1/s
+CLOSING_CAP_S = 4.0
+FALL_DRAG = 4.0
+FALL_S = 0.6
+SETTLE_DRAG = 10.0
+WATCH_DRAG = 1.0
+WATCH_S = 0.3
+# Below this RMS speed a movement is not called growing: 1 mm/s for 0.3 s is a third of a millimetre.
+STILL_M_S = 1e-3
+
+
+@dataclass(frozen=True)
+class Progress:
+    """One look at a running drape. eta_s: simulated seconds still expected, from the trend of the residual; None where there is no trend yet."""
+
+    phase: str
+    step: int
+    time_s: float
+    gap_mm: float | None
+    residual_g: float | None
+    rms_speed_m_s: float
+    eta_s: float | None
+
+
+class Course:
+    """Runs the phases after sewing on welded cloth, and looks every STEPS_PER_LOOK steps. All that decides lies in `state`: a resumed run decides alike.
+
+    max_time_s: cap on simulated time. mode: 'drape' (equalised masses, damping of fall and settle) or 'dynamics' (true masses, light damping).
+    """
+
+    def __init__(self, dynamics: Dynamics, drag: ForceDrag, mode: str, max_time_s: float) -> None:
+        self.dynamics, self.drag, self.mode, self.max_time_s = dynamics, drag, mode, max_time_s
+        self._patch = patches(dynamics.cloth)
+        self.last: Residual | None = None
+
+    def run(self, state: State, look: Callable[[Progress], None]) -> str:
+        """Advance until rest or the cap. Returns 'converged' or 'max_time'. `look` may raise to interrupt (a checkpoint of `state` is then whole)."""
+        dynamics = self.dynamics
+        while state.phase != "rest":
+            if state.time_s >= self.max_time_s:
+                return "max_time"
+            self._set_phase(state)
+            for _ in range(STEPS_PER_LOOK):
+                dynamics.step(state)
+                if state.phase == "watch":
+                    self._watch(state)
+            self._decide(state, look)
+        return "converged"
+
+    def _set_phase(self, state: State) -> None:
+        dynamics = self.dynamics
+        dynamics.equalise = self.mode == "drape" and state.phase != "watch"
+        drags = {"fall": FALL_DRAG, "settle": SETTLE_DRAG, "watch": WATCH_DRAG}
+        self.drag.set(drags[state.phase] if self.mode == "drape" else DEFAULT_RATE)
+
+    def _watch(self, state: State) -> None:
+        """Largest RMS speed in each third of the watch."""
+        third = min(2, int(3.0 * (state.time_s - state.run["watch_from_s"]) / WATCH_S))
+        key = f"watch_rms_{third}"
+        state.run[key] = max(state.run.get(key, 0.0), self.dynamics.measures(state)[2])
+
+    def _decide(self, state: State, look: Callable[[Progress], None]) -> None:
+        _, _, rms = self.dynamics.measures(state)
+        left: Residual | None = None
+        if state.phase == "fall":
+            if state.time_s - state.run["phase_from_s"] >= FALL_S:
+                self._enter(state, "settle")
+        elif state.phase == "settle":
+            left = self.last = residual(self.dynamics, state, self._patch)
+            if left.at_rest:
+                self._enter(state, "watch")
+                state.run["watch_from_s"] = state.time_s
+        elif state.phase == "watch" and state.time_s - state.run["watch_from_s"] >= WATCH_S:
+            left = self.last = residual(self.dynamics, state, self._patch)
+            grew = state.run["watch_rms_2"] > max(STILL_M_S, state.run["watch_rms_1"])
+            self._enter(state, "rest" if left.at_rest and not grew else "settle")
+        look(Progress(state.phase, state.step, state.time_s, None, None if left is None else left.rms_g, rms, self._eta(state, left)))
+
+    def _eta(self, state: State, left: Residual | None) -> float | None:
+        """From the slope of log residual between looks."""
+        if left is None:
+            return None
+        before, then = state.run.get("eta_log"), state.run.get("eta_time_s")
+        log = float(np.log10(max(left.rms_g, 1e-12)))
+        if before is None or then is None:
+            state.run["eta_log"], state.run["eta_time_s"] = log, state.time_s
+            return None
+        slope = (log - before) / max(state.time_s - then, 1e-9)
+        return None if slope >= 0.0 else max(0.0, (-3.0 - log) / slope) + WATCH_S
+
+    def _enter(self, state: State, phase: str) -> None:
+        state.phase = phase
+        state.run = {key: value for key, value in state.run.items() if not key.startswith("watch_")}
+        state.run["phase_from_s"] = state.time_s

@@ -1,0 +1,92 @@
+"""A job: everything that decides the outcome of one drape, read and checked, with the hashes that identify it."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+from garmentcad import __version__
+from garmentcad.errors import InputError
+from garmentcad.fabric.missing import Completed
+from garmentcad.fabric.sheet import sheet_sha256
+from garmentcad.io.fabric_file import fabric_path, load_fabric
+from garmentcad.io.mannequin_file import read_mannequin
+from garmentcad.io.shipped import resolve_reference, shipped_file
+from garmentcad.io.spec_file import read_spec
+from garmentcad.mannequin.mannequin import Mannequin
+from garmentcad.pattern.draft import draft
+from garmentcad.pattern.pattern import Pattern
+from garmentcad.pattern.spec import GarmentSpec
+
+Mode = Literal["drape", "dynamics"]
+GRID_MM = (2.0, 50.0)
+
+
+@dataclass(frozen=True)
+class Job:
+    """One drape to do. fabrics: completed sheets by the name under which pattern and regions refer to them; the pattern's own default is among them."""
+
+    spec: GarmentSpec
+    pattern: Pattern
+    fabrics: dict[str, Completed]
+    mannequin: Mannequin
+    grid_mm: float = 10.0
+    seed: int = 0
+    mode: Mode = "drape"
+    max_time_s: float = 12.0
+    folder: Path = field(default_factory=Path)  # of the spec, for references
+
+    @property
+    def spec_sha256(self) -> str:
+        """Hash of the spec as plain data (comments and layout of the file do not count)."""
+        return hashlib.sha256(json.dumps(self.spec.model_dump(mode="json"), sort_keys=True).encode()).hexdigest()
+
+    @property
+    def identity(self) -> dict[str, str]:
+        """What a checkpoint must agree with."""
+        body = hashlib.sha256(self.mannequin.vertices.tobytes() + self.mannequin.faces.tobytes()).hexdigest()
+        sheets = {name: sheet_sha256(completed.sheet) for name, completed in sorted(self.fabrics.items())}
+        return {
+            "spec": self.spec_sha256, "fabric": json.dumps(sheets), "mannequin": body, "grid_mm": f"{self.grid_mm:g}", "seed": str(self.seed),
+            "mode": self.mode, "version": __version__,
+        }  # fmt: skip
+
+
+def spec_path(name_or_file: str) -> Path:
+    """File of a spec: a shipped name (`flared-skirt`) or a path that ends in .yaml or .yml."""
+    return Path(name_or_file) if name_or_file.endswith((".yaml", ".yml")) else shipped_file("patterns", name_or_file)
+
+
+def make_job(
+    spec: str | Path | GarmentSpec,
+    fabric: str | None = None,
+    mannequin: str | None = None,
+    *,
+    grid_mm: float = 10.0,
+    seed: int = 0,
+    mode: Mode = "drape",
+    max_time_s: float = 12.0,
+) -> Job:
+    """Read everything that a drape needs. spec: a shipped name, a file, or a model; fabric, mannequin: a shipped name or a file, in place of the spec's own.
+    InputError for anything that is refused."""
+    if not GRID_MM[0] <= grid_mm <= GRID_MM[1]:
+        raise InputError(f"grid of {grid_mm:g} mm; {GRID_MM[0]:g} to {GRID_MM[1]:g} mm is allowed", key="--grid")
+    if not 0.0 < max_time_s <= 600.0:
+        raise InputError(f"{max_time_s:g} simulated seconds; more than 0 and at most 600 are allowed", key="--max-time")
+    if seed < 0:
+        raise InputError(f"seed {seed}; 0 or a positive number is allowed", key="--seed")
+    if isinstance(spec, GarmentSpec):
+        model, folder = spec, Path()
+    else:
+        path = spec if isinstance(spec, Path) else spec_path(spec)
+        model, folder = read_spec(path), path.parent
+    body = read_mannequin(mannequin if mannequin is not None else model.mannequin)
+    pattern = draft(model, body.measurements_mm)
+    wanted = {panel.fabric for panel in pattern.panels.values() if panel.fabric}
+    wanted |= {region.fabric for panel in pattern.panels.values() for region in panel.regions if region.fabric}
+    fabrics = {name: load_fabric(resolve_reference(name, "fabrics", folder)) for name in sorted(wanted)}
+    fabrics[pattern.fabric] = load_fabric(fabric_path(fabric)) if fabric is not None else load_fabric(resolve_reference(pattern.fabric, "fabrics", folder))
+    return Job(model, pattern, fabrics, body, float(grid_mm), seed, mode, max_time_s, folder)

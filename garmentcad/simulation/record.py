@@ -1,0 +1,97 @@
+"""From a finished run to its record and measures: the judge's numbers, taken on the final state by code that the solver does not use."""
+
+from __future__ import annotations
+
+import platform
+from importlib.metadata import version
+
+import numba
+import numpy as np
+from scipy.spatial import cKDTree
+from trimesh import Trimesh
+
+from garmentcad import __version__
+from garmentcad.analysis.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
+from garmentcad.analysis.measures import Measures, measure
+from garmentcad.analysis.penetration import penetration_mm, signed_distances
+from garmentcad.analysis.pressure import contact_pressure
+from garmentcad.analysis.run_record import RunRecord, Status
+from garmentcad.analysis.tributary import particle_areas
+from garmentcad.fabric.sheet import is_calibrated
+from garmentcad.simulation.run import Outcome
+from garmentcad.solve.rest import patches, residual
+
+LIBRARIES = ("numpy", "scipy", "numba", "trimesh", "shapely")
+HEM = "hem"
+# Contact keeps at least this gap to the body; the sheet's half thickness where that is more.
+LEAST_GAP_M = 1e-3
+
+
+def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
+    """Judge and measure the final state of a run."""
+    job, cloth, state, body = outcome.job, outcome.cloth, outcome.state, outcome.job.mannequin
+    finite = bool(np.isfinite(state.positions).all())
+    crossings = touching = depth = None
+    status: Status = outcome.status  # type: ignore[assignment]
+    if finite:
+        triangles = cloth.particle_triangles
+        crossings = len(crossing_triangle_pairs(state.positions, triangles))
+        touching = len(crossing_triangle_pairs_between(state.positions, triangles, body.vertices, body.faces))
+        depth = penetration_mm(state.positions, triangles, body.vertices, body.faces)
+        if crossings or touching or depth > 0.0:
+            status = "intersecting"
+    elif status == "converged":
+        status = "diverged"
+    kinetic, fastest, rms = outcome.dynamics.measures(state)
+    left = residual(outcome.dynamics, state, patches(cloth)).rms_g if finite else None
+    energy = outcome.dynamics.forces.energy(state.positions) if finite else {}
+    findings = [f"{name}: {finding}" for name, completed in job.fabrics.items() for finding in completed.findings if finding.severity != "info"]
+    made = RunRecord(
+        garment=job.pattern.name,
+        fabric=job.fabrics[job.pattern.fabric].sheet.name,
+        mannequin=body.name,
+        grid_mm=job.grid_mm,
+        seed=job.seed,
+        threads=numba.get_num_threads(),
+        versions={"garmentcad": __version__, "python": platform.python_version(), **{name: version(name) for name in LIBRARIES}},
+        spec_sha256=job.spec_sha256,
+        state_sha256=state.sha256(),
+        status=status,
+        seams=len(job.pattern.seams),
+        welds=len(cloth.vertex_particle) - cloth.particle_count,
+        steps=state.step,
+        time_step_s=state.time_step_s,
+        simulated_time_s=state.time_s,
+        wall_time_s={**outcome.wall_s, "total": sum(outcome.wall_s.values()), **outcome.seconds},
+        rest={"max_speed_m_s": fastest, "rms_speed_m_s": rms, "kinetic_j_per_kg": kinetic / float(cloth.masses.sum()), "residual_g_rms": left},
+        constraints={"max_gap_mm": None, "max_speed_m_s": None, "conflicting": list(outcome.redundant)},
+        seam_gap_mm=max(outcome.seam_gap_mm.values(), default=0.0),
+        mannequin_penetration_mm=depth,
+        self_intersections=crossings,
+        mannequin_intersections=touching,
+        energy_j={
+            "stretch": _sum(energy, "stretch", "border"),
+            "shear": energy.get("shear"),
+            "bend": _sum(energy, "bend", "twist", "hinge"),
+            "gravity": energy.get("gravity"),
+            "friction_work": state.work_j["friction"],
+            "damping_work": state.work_j["damping"],
+        },
+        uncalibrated=not all(is_calibrated(completed.sheet) for completed in job.fabrics.values()),
+        warnings=(*outcome.warnings, *findings),
+    )
+    hems = [f"{panel.name}.{edge.name}" for panel in job.pattern.panels.values() for edge in panel.edges if edge.role == HEM]
+    pressure = None
+    if finite:
+        distance = signed_distances(state.positions, body.vertices, body.faces)
+        # The body is smooth at the scale of its triangles: the normal at the nearest body vertex serves.
+        nearest = cKDTree(body.vertices).query(state.positions)[1]
+        normal = Trimesh(body.vertices, body.faces, process=False).vertex_normals[nearest]
+        gap = max(LEAST_GAP_M, 0.5 * float(outcome.materials.thickness.max()))
+        pressure = contact_pressure(outcome.dynamics.net_forces(state), normal, distance, gap, particle_areas(cloth))
+    return made, measure(cloth, state.positions, outcome.materials, body, hems, pressure)
+
+
+def _sum(energy: dict[str, float], *names: str) -> float | None:
+    parts = [energy[name] for name in names if name in energy]
+    return sum(parts) if parts else None

@@ -1,0 +1,35 @@
+"""A start is refused where panels cross each other or lie deep inside the mannequin: a tangle at the start stays one."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from garmentcad.analysis.intersection import crossing_triangle_pairs
+from garmentcad.analysis.penetration import signed_distances
+from garmentcad.cloth.cloth import Cloth
+from garmentcad.errors import TangledError
+from garmentcad.mannequin.mannequin import Mannequin
+
+# Contact pushes shallow points out gently while the seams close.
+SHALLOW_M = 0.010
+LISTED = 5
+
+
+def refuse_tangled(cloth: Cloth, positions: np.ndarray, mannequin: Mannequin) -> None:
+    """TangledError naming the panels, the number of pairs and a remedy."""
+    panels = np.asarray(cloth.panel_names)
+    vertex_positions = positions[cloth.vertex_particle]
+    depth = -signed_distances(vertex_positions, mannequin.vertices, mannequin.faces)
+    deep = depth > SHALLOW_M
+    if deep.any():
+        named = [
+            f"{name}: {int((deep & (cloth.vertex_panel == index)).sum())} points, {1e3 * float(depth[cloth.vertex_panel == index].max()):.0f} mm"
+            for index, name in enumerate(cloth.panel_names)
+            if (deep & (cloth.vertex_panel == index)).any()
+        ]
+        raise TangledError(f"panels start inside mannequin {mannequin.name} ({'; '.join(named)}); enlarge the placement's offset or move it", key="panels")
+    pairs = crossing_triangle_pairs(positions, cloth.particle_triangles)
+    if len(pairs):
+        owner = panels[cloth.vertex_panel[cloth.triangles[:, 0]]]
+        listed = ", ".join(sorted({" x ".join(sorted((str(owner[i]), str(owner[j])))) for i, j in pairs})[:LISTED])
+        raise TangledError(f"panels start crossing each other in {len(pairs)} pairs of triangles ({listed}); move their placements apart", key="panels")

@@ -1,0 +1,146 @@
+"""The stepper: one modified Euler step with every velocity correction between forces and positions, and a time step from the stiffness of the moment.
+
+    v += dt f/m     constraints     strain limiting     contact (last word)     x += dt v
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+
+import numpy as np
+
+from garmentcad.cloth.cloth import Cloth
+from garmentcad.cloth.state import State
+from garmentcad.constraints.points import ConstraintPoints
+from garmentcad.contact.contact import Contact
+from garmentcad.errors import GarmentError
+from garmentcad.forces.assembly import ForceAssembly
+from garmentcad.forces.time_step import SAFETY
+from garmentcad.solve.integrate import advance_positions, advance_velocities, motion_measures
+from garmentcad.solve.strain_limit import StrainLimit
+
+# Steps between two looks at the stiffness; tangents change slowly at this scale.
+STEPS_PER_ESTIMATE = 32
+# No particle of a garment moves faster on purpose; a faster one is a sign of a diverging run.
+RUNAWAY_M_S = 30.0
+
+
+class DivergedError(GarmentError):
+    """A particle became faster than any garment moves, or not a number. particle: where."""
+
+    def __init__(self, particle: int, speed: float, time_s: float) -> None:
+        self.particle = particle
+        super().__init__(f"particle {particle} reached {speed:.3g} m/s at {time_s:.4f} s (limit {RUNAWAY_M_S:g} m/s)")
+
+
+class Dynamics:
+    """Moves one cloth. Set `constraint` and `equalise` between steps; `seconds` sums wall time by kind of work.
+
+    equalise: drape mode; masses of particles whose own stable step is shorter than the median's are raised until it is not (the shape at rest does not depend
+    on them). fixed: (P,) bool, particles that do not move.
+    """
+
+    def __init__(self, cloth: Cloth, forces: ForceAssembly, limit: StrainLimit | None, contacts: Sequence[Contact], fixed: np.ndarray | None = None) -> None:
+        self.cloth, self.forces, self.limit, self.contacts = cloth, forces, limit, tuple(contacts)
+        self.fixed = np.zeros(cloth.particle_count, dtype=bool) if fixed is None else fixed
+        self.equalise = False
+        self.constraint: ConstraintPoints | None = None
+        self.seconds = {"forces": 0.0, "constraints": 0.0, "detection": 0.0, "response": 0.0}
+        self._force = np.zeros((cloth.particle_count, 3))
+        self._stiffness = np.zeros(cloth.particle_count)
+        self._measures = np.zeros(3)
+        self.true_inverse_masses = np.where(self.fixed, 0.0, 1.0 / cloth.masses)
+        self.set_inverse_masses(self.true_inverse_masses)
+
+    def set_inverse_masses(self, inverse_masses: np.ndarray) -> None:
+        """Inertia (P,) 1/kg of the next steps, for motion and for what shares impulses between particles."""
+        self.inverse_masses = inverse_masses
+        for contact in self.contacts:
+            contact.set_inverse_masses(inverse_masses)
+        if self.constraint is not None:
+            self.constraint.set_inverse_masses(inverse_masses)
+
+    @property
+    def redundant(self) -> tuple[str, ...]:
+        """Names of constraints that repeat others."""
+        return () if self.constraint is None else self.constraint.redundant
+
+    def start(self, state: State) -> None:
+        """Prepare a fresh state: contacts allocate and detect."""
+        for contact in self.contacts:
+            contact.start(state)
+        self.estimate_time_step(state)
+
+    def estimate_time_step(self, state: State) -> None:
+        """Largest stable step for the tangents of the moment, and in drape mode the masses that allow the median particle's step."""
+        self.forces.stiffness(state.positions, self._stiffness)
+        free = ~self.fixed
+        own = np.full(len(self._stiffness), np.inf)
+        moving = free & (self._stiffness > 0.0)
+        own[moving] = 2.0 * SAFETY * np.sqrt(self.cloth.masses[moving] / self._stiffness[moving])
+        smallest = float(own.min(initial=np.inf))
+        if not np.isfinite(smallest):
+            smallest = 1e-3
+        if self.equalise:
+            wanted = float(np.median(own[moving]))
+            self.set_inverse_masses(self.true_inverse_masses / np.maximum(1.0, (wanted / own) ** 2))
+            state.time_step_s = wanted
+        else:
+            self.set_inverse_masses(self.true_inverse_masses)
+            state.time_step_s = smallest
+
+    def step(self, state: State) -> None:
+        """One step. DivergedError where motion runs away."""
+        if state.step % STEPS_PER_ESTIMATE == 0:
+            self.estimate_time_step(state)
+            self._check_runaway(state)
+        dt = state.time_step_s
+        self.correct_velocities(state, dt)
+        advance_positions(state.velocities, dt, state.positions)
+        state.step += 1
+        state.time_s += dt
+
+    def correct_velocities(self, state: State, dt: float) -> None:
+        """The velocity half of a step: forces, constraints, strain limiting, contact."""
+        clock = time.perf_counter
+        t0 = clock()
+        self.forces.add_up(state.positions, state.velocities, self._force)
+        advance_velocities(self._force, self.inverse_masses, dt, state.velocities)
+        t2 = clock()
+        if self.constraint is not None:
+            state.constraint_speeds = self.constraint.next_speeds(state.positions, state.constraint_speeds, dt)
+            self.constraint.correct(state.velocities, state.constraint_speeds, dt)
+        if self.limit is not None:
+            self.limit.limit(state.positions, state.velocities, self.inverse_masses, dt)
+        t3 = clock()
+        self.seconds["forces"] += t2 - t0
+        self.seconds["constraints"] += t3 - t2
+        if self.contacts:
+            motion_measures(state.velocities, self.cloth.masses, self._measures)
+            reserve = min(float(self._measures[1]), RUNAWAY_M_S) * dt
+            for contact in self.contacts:
+                t4 = clock()
+                contact.detect(state, reserve)
+                t5 = clock()
+                contact.respond(state, dt)
+                self.seconds["detection"] += t5 - t4
+                self.seconds["response"] += clock() - t5
+
+    def net_forces(self, state: State) -> np.ndarray:
+        """Forces of the laws and gravity (P,3), N, at zero velocity; contact and constraints left out."""
+        total = np.zeros_like(state.velocities)
+        self.forces.add_up(state.positions, np.zeros_like(state.velocities), total)
+        return total
+
+    def _check_runaway(self, state: State) -> None:
+        motion_measures(state.velocities, self.cloth.masses, self._measures)
+        speed = float(self._measures[1])
+        if not speed < RUNAWAY_M_S:
+            squares = np.nan_to_num((state.velocities**2).sum(axis=1), nan=np.inf)
+            raise DivergedError(int(np.argmax(squares)), speed, state.time_s)
+
+    def measures(self, state: State) -> tuple[float, float, float]:
+        """Kinetic energy J, largest speed m/s, RMS speed m/s (mass-weighted)."""
+        motion_measures(state.velocities, self.cloth.masses, self._measures)
+        return float(self._measures[0]), float(self._measures[1]), float(np.sqrt(self._measures[2]))

@@ -1,0 +1,81 @@
+"""What every force must satisfy, as functions of one force and one state."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from garmentcad.forces.assembly import ForceAssembly
+from garmentcad.forces.force import NO_PARTICLE, Force
+
+
+def particle_forces(force: Force, positions: np.ndarray, velocities: np.ndarray | None = None) -> np.ndarray:
+    """Force on each particle (P,3), summed in Python."""
+    corner_forces = np.full((len(force.corners), 3), np.nan)
+    force.write_forces(positions, np.zeros_like(positions) if velocities is None else velocities, corner_forces)
+    used = force.corners != NO_PARTICLE
+    total = np.zeros_like(positions)
+    np.add.at(total, force.corners[used], corner_forces[used])
+    return total
+
+
+def corner_scale(force: Force, positions: np.ndarray) -> float:
+    """Largest force on one corner: the scale against which sums must vanish."""
+    corner_forces = np.zeros((len(force.corners), 3))
+    force.write_forces(positions, np.zeros_like(positions), corner_forces)
+    return float(np.abs(corner_forces).max())
+
+
+def gradient_error(force: Force, positions: np.ndarray, step: float = 1e-6) -> float:
+    """Largest difference between the force and minus the central difference (fourth order) of the energy, over the largest force."""
+    expected = np.zeros_like(positions)
+    for index in np.ndindex(*positions.shape):
+        values = []
+        for k in (-2, -1, 1, 2):
+            moved = positions.copy()
+            moved[index] += k * step
+            values.append(force.energy(moved))
+        expected[index] = -(values[0] - 8 * values[1] + 8 * values[2] - values[3]) / (12 * step)
+    found = particle_forces(force, positions)
+    return float(np.abs(found - expected).max() / np.abs(expected).max())
+
+
+def balance_error(force: Force, positions: np.ndarray) -> tuple[float, float]:
+    """Net force over the largest corner force, and net torque over that times the extent, at places near the origin."""
+    centred = positions - positions.mean(axis=0)
+    total = particle_forces(force, centred)
+    scale = corner_scale(force, centred)
+    torque = np.cross(centred, total).sum(axis=0)
+    return float(np.abs(total.sum(axis=0)).max() / scale), float(np.abs(torque).max() / (scale * np.abs(centred).max()))
+
+
+def stiffness_over_bound(force: Force, positions: np.ndarray, masses: np.ndarray, step: float = 1e-7) -> float:
+    """Largest eigenvalue of M^-1 K, K the central difference of the forces, over the bound max(row sum/m)."""
+    size = positions.size
+    hessian = np.empty((size, size))
+    for column, index in enumerate(np.ndindex(*positions.shape)):
+        pair = []
+        for k in (1, -1):
+            moved = positions.copy()
+            moved[index] += k * step
+            pair.append(particle_forces(force, moved).ravel())
+        hessian[:, column] = -(pair[0] - pair[1]) / (2 * step)
+    root = np.repeat(1.0 / np.sqrt(masses), 3)
+    found = np.linalg.eigvalsh(0.5 * (hessian + hessian.T) * root[:, None] * root[None, :]).max()
+    corner_stiffness = np.zeros(len(force.corners))
+    force.write_stiffness(positions, corner_stiffness)
+    used = force.corners != NO_PARTICLE
+    bound = np.bincount(force.corners[used], weights=corner_stiffness[used], minlength=len(masses))
+    return float(found / np.max(bound / masses))
+
+
+def march(assembly: ForceAssembly, masses: np.ndarray, positions: np.ndarray, velocities: np.ndarray, step: float, count: int) -> None:
+    """Modified Euler in place. Stops early where a particle leaves by more than 1 m."""
+    out, per_mass, start = np.empty_like(positions), step / masses[:, None], positions.copy()
+    for done in range(count):
+        assembly.add_up(positions, velocities, out)
+        out *= per_mass
+        velocities += out
+        np.multiply(velocities, step, out=out)
+        positions += out
+        if done % 100 == 0 and not np.abs(positions - start).max() < 1.0:
+            break

@@ -1,0 +1,40 @@
+"""Whole files or none."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from garmentcad.errors import FileError
+from garmentcad.io.atomic import write_atomic
+
+
+def test_writes_bytes_text_and_callbacks(tmp_path: Path) -> None:
+    assert write_atomic(tmp_path / "a", b"\x00\x01").read_bytes() == b"\x00\x01"
+    assert write_atomic(tmp_path / "b", "seam μ\n").read_bytes() == "seam μ\n".encode()
+    assert write_atomic(tmp_path / "new" / "c", lambda file: file.write(b"xy") and None).read_bytes() == b"xy"
+    assert sorted(path.name for path in tmp_path.rglob("*")) == ["a", "b", "c", "new"]
+
+
+def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path: Path) -> None:
+    path = write_atomic(tmp_path / "a", "old")
+
+    def torn(file) -> None:
+        file.write(b"half")
+        raise RuntimeError("killed")
+
+    with pytest.raises(RuntimeError, match="killed"):
+        write_atomic(path, torn)
+    assert path.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_place_that_cannot_be_written_is_named(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    with pytest.raises(FileError, match=r"file/report\.json"):
+        write_atomic(tmp_path / "file" / "report.json", "")
+    (tmp_path / "folder").mkdir()
+    with pytest.raises(FileError, match="folder"):
+        write_atomic(tmp_path / "folder", "")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "folder"]

@@ -1,0 +1,112 @@
+"""Placed panels: collisions and twisted seams around a body made by hand."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+import trimesh
+from drawn import materials
+
+from garmentcad.arrays import indices
+from garmentcad.check.finding import Finding
+from garmentcad.check.placement import check_placement, check_twists
+from garmentcad.cloth.lattice import build_cloth
+from garmentcad.mannequin.mannequin import ArrangementCylinder, Mannequin
+from garmentcad.pattern.draft import draft
+from garmentcad.pattern.parse import parse_spec
+from garmentcad.placement.place import place_vertices
+
+GRID_MM = 10.0
+
+
+def body() -> Mannequin:
+    """An upright cylinder, 100 mm in radius and 1 m high, on the floor; the arrangement cylinder is as large."""
+    mesh = trimesh.creation.cylinder(radius=0.1, height=1.0, sections=48)
+    vertices = mesh.vertices[:, [1, 2, 0]] + np.array([0.0, 0.5, 0.0])  # an even permutation keeps the faces' orientation
+    torso = ArrangementCylinder(np.zeros(3), np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0]), 0.1, 0.1)
+    return Mannequin("post", vertices, indices(mesh.faces), {}, {}, {"torso": torso}, ("torso",), np.zeros(len(mesh.faces), dtype=np.int32))
+
+
+def panel(angle: float) -> dict[str, Any]:
+    return {
+        "points": {"a": [-150, 0], "b": [150, 0], "c": [150, 200], "d": [-150, 200]},
+        "edges": [
+            {"name": "hem", "from": "a", "to": "b"}, {"name": "right", "from": "b", "to": "c"}, {"name": "top", "from": "c", "to": "d"},
+            {"name": "left", "from": "d", "to": "a"},
+        ],
+        "placement": {"wrap": {"part": "torso", "angle": angle, "height": 400, "offset": 30}},
+    }  # fmt: skip
+
+
+TUBE: dict[str, Any] = {
+    "name": "tube", "fabric": "x", "mannequin": "post", "panels": {"front": panel(0), "back": panel(180)},
+    "seams": [
+        {"name": "one", "a": ["front.right.c", "front.right.b"], "b": ["back.left.d", "back.left.a"]},
+        {"name": "two", "a": ["front.left.d", "front.left.a"], "b": ["back.right.c", "back.right.b"]},
+    ],
+}  # fmt: skip
+
+
+def findings(change: Callable[[dict[str, Any]], Any] = lambda data: None) -> list[Finding]:
+    data = copy.deepcopy(TUBE)
+    change(data)
+    pattern, mannequin = draft(parse_spec(data, "tube.yaml"), {}), body()
+    cloth = build_cloth(pattern, lambda _, points: np.zeros(len(points), dtype=np.int32), materials(0.2), GRID_MM)
+    positions = place_vertices(pattern, cloth, mannequin)
+    return [*check_twists(pattern, cloth, positions, "tube.yaml"), *check_placement(cloth, positions, mannequin, "tube.yaml")]
+
+
+def test_a_tube_is_clean() -> None:
+    assert findings() == []
+
+
+def test_twisted_seam() -> None:
+    found = findings(lambda data: data["seams"][0].update(b=["back.left.a", "back.left.d"]))
+    assert [(finding.code, finding.key, finding.severity) for finding in found] == [("seam-twisted", "seams.one", "error")]
+    # Round a radius of 130 mm the panels' edges stand 300 mm apart along the arc, 54.2 mm by the chord; the twisted points are 100 mm higher or lower.
+    gap = 2 * 130 * np.cos(150 / 130)
+    far = np.hypot(gap, 100)
+    assert f"{far:.0f} and {far:.0f} mm apart; with one side turned around they would be {gap:.0f} and {gap:.0f}" in found[0].message
+
+
+def test_twisted_ring() -> None:
+    """Two closed tubes, one above the other: where the ring between them begins and ends says nothing."""
+
+    def ring(data: dict[str, Any]) -> None:
+        cuff = panel(0)
+        cuff["points"] = {"a": [-400, 0], "b": [400, 0], "c": [400, 60], "d": [-400, 60]}
+        cuff["placement"]["wrap"] |= {"height": 300, "offset": 28}
+        upper = copy.deepcopy(cuff)
+        upper["placement"]["wrap"]["height"] = 400
+        data["panels"] = {"upper": upper, "lower": cuff}
+        data["seams"] = [
+            {"name": "lower_tube", "a": ["lower.left.d", "lower.left.a"], "b": ["lower.right.c", "lower.right.b"]},
+            {"name": "upper_tube", "a": ["upper.left.d", "upper.left.a"], "b": ["upper.right.c", "upper.right.b"]},
+            {"name": "ring", "a": ["upper.hem.a", "upper.hem.b"], "b": ["lower.top.d", "lower.top.c"]},
+        ]
+
+    def turned(data: dict[str, Any]) -> None:
+        ring(data)
+        data["seams"][2]["b"] = ["lower.top.c", "lower.top.d"]
+
+    assert findings(ring) == []
+    assert [finding.key for finding in findings(turned)] == ["seams.ring"]
+
+
+def test_crossing_panels() -> None:
+    across = {"transform": {"translation": [0, 400, 110], "rotation": [10, 0, 0]}}
+    found = findings(lambda data: data["panels"]["back"].update(placement=across) or data.update(seams=[]))
+    crossing = [finding for finding in found if finding.code == "placement-crossing"]
+    assert [(finding.key, finding.severity) for finding in crossing] == [("panels.front.placement", "error")]
+    assert "crosses panel back in" in crossing[0].message
+
+
+@pytest.mark.parametrize(("offset", "severity"), [(-30, "error"), (-5, "warning")])
+def test_panel_inside_the_body(offset: float, severity: str) -> None:
+    found = findings(lambda data: data["panels"]["front"]["placement"]["wrap"].update(offset=offset) or data.update(seams=[]))
+    assert [(finding.code, finding.key, finding.severity) for finding in found] == [("panel-inside-body", "panels.front.placement", severity)]
+    assert f"up to {-offset} mm deep" in found[0].message

@@ -1,0 +1,170 @@
+"""Cloth on still bodies, judged by libigl and ipctk; and that decoupled detection misses nothing."""
+
+from __future__ import annotations
+
+from copy import deepcopy
+
+import numpy as np
+import pytest
+import trimesh
+from loose_sheet import Sheet, correct, crosses_body, fabric, least_distance, reserve
+
+from garmentcad.contact.body import CLEARANCE, ContactBody
+from garmentcad.contact.cloth import ContactCloth
+from garmentcad.contact.surface import build_surface, convex_curvature
+
+DT = 1.5e-4
+
+
+def ball(radius: float, subdivisions: int = 3) -> tuple[np.ndarray, np.ndarray]:
+    mesh = trimesh.creation.icosphere(subdivisions=subdivisions, radius=radius)
+    return np.asarray(mesh.vertices), np.asarray(mesh.faces)
+
+
+def test_sheet_dropped_on_a_ball_ends_clean() -> None:
+    vertices, faces = ball(0.045)
+    sheet = Sheet(15)
+    contacts = [ContactCloth(sheet.cloth, fabric()), ContactBody(vertices, faces, sheet.cloth, fabric())]
+    state = sheet.state(sheet.positions + [0.003, 0.055, 0.002])
+    for contact in contacts:
+        contact.start(state)
+    triangles = sheet.cloth.particle_triangles
+    for step in range(800):
+        sheet.step(state, DT, contacts)
+        if step % 400 == 399:
+            assert least_distance(state.positions, triangles, vertices, faces) > 0.0
+            assert not crosses_body(state.positions, triangles, vertices, faces)
+    assert state.positions[:, 1].min() < 0.01  # it hangs down around the ball
+    gap = CLEARANCE + 0.01**2 / (4 * 0.045)
+    closest = least_distance(state.positions, triangles[:0], vertices, faces)
+    assert closest == pytest.approx(gap, abs=0.05e-3)  # not nearer, not held off
+    assert state.work_j["friction"] < 0.0
+
+
+def test_sheet_on_a_needle_and_on_a_sharp_edge() -> None:
+    """The sharp features lie between particles, where these alone would let them through."""
+    needle = trimesh.creation.cone(radius=0.012, height=0.05, sections=12)
+    box = trimesh.creation.box(extents=(0.06, 0.06, 0.06))
+    box.apply_transform(trimesh.transformations.rotation_matrix(np.pi / 4, [0, 0, 1]))
+    for mesh, top in ((trimesh.Trimesh(needle.vertices[:, [1, 2, 0]], needle.faces), 0.05), (box, 0.0425)):
+        vertices, faces = np.asarray(mesh.vertices), np.asarray(mesh.faces)
+        sheet = Sheet(10)
+        contact = ContactBody(vertices, faces, sheet.cloth, fabric())
+        state = sheet.state(sheet.positions + [0.0047, top + 0.004, 0.0033])
+        contact.start(state)
+        for step in range(500):
+            sheet.step(state, DT, [contact])
+            if step % 100 == 99:
+                assert not crosses_body(state.positions, sheet.cloth.particle_triangles, vertices, faces)
+        assert state.positions[:, 1].min() < top - 0.01
+    assert state.run.get("unresolved_contacts", 0) == 0
+
+
+def test_detection_by_travel_gives_the_response_of_detection_at_every_step() -> None:
+    vertices, faces = ball(0.045)
+    sheet = Sheet(12)
+    contact, always = (ContactBody(vertices, faces, sheet.cloth, fabric()) for _ in range(2))
+    state = sheet.state(sheet.positions + [0.003, 0.052, 0.002], np.tile([0.6, -0.5, 0.1], (13 * 13, 1)))
+    contact.start(state)
+    looks, touched = 0, 0
+    for step in range(400):
+        sheet.pull(state, DT)
+        looks += contact.detect(state, reserve(state, DT))
+        if step % 7 == 0:
+            fresh = deepcopy(state)
+            fresh.contact.clear()
+            always.start(fresh)
+            always.detect(fresh, reserve(state, DT))
+            before = fresh.velocities.copy()
+            always.respond(fresh, DT)
+            contact.respond(state, DT)
+            np.testing.assert_allclose(state.velocities, fresh.velocities, atol=1e-11)
+            touched += int((np.abs(before - fresh.velocities).max(axis=1) > 0).sum())
+        else:
+            contact.respond(state, DT)
+        state.positions += DT * state.velocities
+    assert touched > 300
+    assert looks < 300
+
+
+def test_a_copied_state_goes_on_with_the_same_bits() -> None:
+    vertices, faces = ball(0.045)
+    sheet = Sheet(10)
+    contact = ContactBody(vertices, faces, sheet.cloth, fabric())
+    state = sheet.state(sheet.positions + [0.003, 0.048, 0.002])
+    contact.start(state)
+    for _ in range(150):
+        sheet.step(state, DT, [contact])
+    resumed, again = deepcopy(state), ContactBody(vertices, faces, sheet.cloth, fabric())
+    for _ in range(150):
+        sheet.step(state, DT, [contact])
+        sheet.step(resumed, DT, [again])
+    assert resumed.sha256() == state.sha256()
+    assert resumed.work_j == state.work_j
+
+
+def test_hollow_corner_holds_from_both_sides() -> None:
+    """A particle pressed into a groove of 70 degrees: after the response it approaches neither wall faster than its room allows."""
+    half = np.radians(35)
+    profile = np.array([[0, 0], [np.sin(half), np.cos(half)], [1.2, 0.9], [1.2, -0.5], [-1.2, -0.5], [-1.2, 0.9], [-np.sin(half), np.cos(half)]]) * 0.1
+    front, back = (np.column_stack([profile, np.full(7, z)]) for z in (0.2, -0.2))
+    cap = np.array([[0, 2, 1], [0, 3, 2], [0, 4, 3], [0, 5, 4], [0, 6, 5]])
+    sides = np.array([[[k, k + 7, (k + 1) % 7], [(k + 1) % 7, k + 7, (k + 1) % 7 + 7]] for k in range(7)]).reshape(-1, 3)
+    faces = np.concatenate([cap, cap[:, ::-1] + 7, sides])
+    mesh = trimesh.Trimesh(np.concatenate([front, back]), faces, process=False)
+    if mesh.volume < 0:
+        mesh.invert()
+    assert mesh.is_watertight
+    sheet = Sheet(1)
+    vertices, faces = np.asarray(mesh.vertices), np.asarray(mesh.faces)
+    contact = ContactBody(vertices, faces, sheet.cloth, fabric(friction=0.0))
+    walls = np.array([[np.cos(half), -np.sin(half), 0], [-np.cos(half), -np.sin(half), 0]]) * -1
+    for start, velocity in (((0.0, 0.0022), (0.3, -2.0)), ((1e-4, 0.0025), (-0.1, -1.0)), ((-3e-4, 0.0024), (2.0, -0.5))):
+        state = sheet.state(np.tile([*start, 0.0], (4, 1)) + 0.05 * np.eye(4)[:, :3] * [0, 0, 1], np.tile([*velocity, 0.0], (4, 1)))
+        contact.start(state)
+        contact.detect(state, 0.0)
+        contact.respond(state, 1e-3)
+        room = (state.positions[0] @ walls.T) - 1e-3
+        assert (state.velocities[0] @ walls.T >= -np.maximum(room, 0) / 1e-3 - 1e-9).all()
+        assert np.isfinite(state.velocities).all()
+
+
+def test_pushed_out_gently_and_never_braked() -> None:
+    vertices, faces = ball(0.1, 4)
+    sheet = Sheet(1)
+    contact = ContactBody(vertices, faces, sheet.cloth, fabric(friction=0.0))
+    outward = vertices[40] / 0.1
+    for depth, speed, expected in ((3e-3, -1.0, 0.25), (0.2e-3, -1.0, 0.04), (3e-3, 2.0, 2.0)):
+        positions = np.tile(outward * (0.101 - depth), (4, 1))
+        state = sheet.state(positions, np.tile(outward * speed, (4, 1)))
+        contact.start(state)
+        correct(state, 1e-4, [contact])
+        np.testing.assert_allclose(state.velocities @ outward, expected, rtol=0.05)
+
+
+def test_held_particles_are_left_alone() -> None:
+    vertices, faces = ball(0.1)
+    sheet = Sheet(3)
+    inverse = 1.0 / sheet.cloth.masses
+    inverse[5] = 0.0
+    contact = ContactBody(vertices, faces, sheet.cloth, fabric(), inverse)
+    state = sheet.state(sheet.positions + [0, 0.1012, 0], np.tile([0, -3.0, 0], (16, 1)))
+    contact.start(state)
+    correct(state, 1e-3, [contact])
+    assert state.velocities[5, 1] == -3.0
+    assert state.velocities[6, 1] > -1.5
+
+
+def test_curvature_of_a_ball_a_cylinder_and_a_box_face() -> None:
+    vertices, faces = ball(0.08, 4)
+    np.testing.assert_allclose(convex_curvature(build_surface(vertices, faces)), 1 / 0.08, rtol=0.05)
+    box = trimesh.creation.box(extents=(1, 1, 1))
+    for _ in range(4):
+        box = box.subdivide()
+    curvature = convex_curvature(build_surface(np.asarray(box.vertices), np.asarray(box.faces)))
+    inner = (np.abs(box.vertices) < 0.25).sum(axis=1) == 2
+    assert inner.sum() > 200
+    np.testing.assert_allclose(curvature[inner], 0.0, atol=1e-12)
+    assert curvature.max() > 4.0  # its edges
+    hollow = convex_curvature(build_surface(vertices, faces[:, ::-1]))
+    np.testing.assert_allclose(hollow, 0.0, atol=1e-9)

@@ -1,0 +1,154 @@
+"""The pattern doctor: silent on good patterns, and each fault found with its place, numbers and a remedy."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from garmentcad.check.doctor import check_pattern, refusal
+from garmentcad.check.finding import Finding
+from garmentcad.io.shipped import shipped_file
+from garmentcad.io.spec_file import read_spec
+from garmentcad.pattern.draft import draft, draft_errors
+from garmentcad.pattern.parse import parse_spec
+
+BODY = {"waist": 720.0, "hip": 960.0}
+WOMAN_88 = {
+    "bust": 880.0, "waist": 720.0, "hip": 960.0, "stature": 1680.0, "neck_base": 370.0, "back_width": 344.0, "chest_front": 324.0, "shoulder": 122.5,
+    "armscye_depth": 210.0, "nape_to_waist": 410.0, "waist_to_hip": 206.0, "waist_to_knee": 585.0, "waist_to_floor": 1040.0, "top_arm": 284.0,
+    "wrist": 160.0, "arm_length": 585.0, "thigh": 560.0, "nape_height": 1450.0, "neck_front_height": 1403.0, "shoulder_height": 1378.0,
+    "bust_height": 1210.0, "waist_height": 1040.0, "hip_height": 840.0, "crotch_height": 773.0, "knee_height": 470.0,
+}  # fmt: skip
+
+
+def square(**more: Any) -> dict[str, Any]:
+    return {
+        "points": {"a": [0, 0], "b": [300, 0], "c": [300, 400], "d": [0, 400], "h": [150, 200]},
+        "edges": [
+            {"name": "hem", "from": "a", "to": "b"}, {"name": "right", "from": "b", "to": "c"}, {"name": "waist", "from": "c", "to": "d"},
+            {"name": "left", "from": "d", "to": "a"},
+        ],
+        "notches": [
+            {"edge": "right", "at": {"mm": 100, "from": "c"}, "name": "r"}, {"edge": "left", "at": {"mm": 100, "from": "d"}, "name": "r"},
+        ],
+        "placement": {"transform": {"translation": [0, 0, 0]}},
+        **more,
+    }  # fmt: skip
+
+
+GOOD: dict[str, Any] = {
+    "name": "tube", "fabric": "wool", "mannequin": "woman-88", "panels": {"front": square(), "back": square()},
+    "seams": [
+        {"name": "one", "a": ["front.right.c", "front.right.b"], "b": ["back.left.d", "back.left.a"]},
+        {"name": "two", "a": ["front.left.d", "front.left.a"], "b": ["back.right.c", "back.right.b"]},
+    ],
+}  # fmt: skip
+
+
+def findings(change: Callable[[dict[str, Any]], Any], grid_mm: float = 10.0) -> list[Finding]:
+    data = copy.deepcopy(GOOD)
+    change(data)
+    spec = parse_spec(data, "tube.yaml")
+    return check_pattern(spec, draft(spec, BODY), grid_mm)
+
+
+@pytest.mark.parametrize("name", ["flared-skirt", "straight-skirt", "t-shirt"])
+def test_shipped_garments_are_clean(name: str) -> None:
+    spec = read_spec(shipped_file("patterns", name))
+    assert check_pattern(spec, draft(spec, WOMAN_88)) == []
+
+
+def test_a_good_pattern_is_clean() -> None:
+    assert findings(lambda data: None) == []
+
+
+def long_back(data: dict[str, Any], by: float) -> None:
+    data["panels"]["back"]["points"] |= {"a": [0, -by], "b": [300, -by]}
+
+
+FAULTS: list[tuple[str, Callable[[dict[str, Any]], Any], str, str, str, str]] = [
+    ("crossing", lambda d: d["panels"]["front"]["edges"][1].update(cubic=[[-300, 100], [-300, 300]]),
+     "error", "outline-crosses-itself", "panels.front.edges", "on left and right"),
+    ("no length", lambda d: (d["panels"]["front"]["points"].update(e=[300, 0]), d["panels"]["front"]["edges"].insert(1, {"name": "z", "from": "b", "to": "e"}),
+                             d["panels"]["front"]["edges"][2].update({"from": "e"}), d["seams"][0].update(a=["front.right.c", "front.right.e"])),
+     "error", "edge-without-length", "panels.front.edges.z", "0.000 mm long"),
+    ("short", lambda d: (d["panels"]["front"]["points"].update(e=[300, 0.4]), d["panels"]["front"]["edges"].insert(1, {"name": "z", "from": "b", "to": "e"}),
+                         d["panels"]["front"]["edges"][2].update({"from": "e"}), d["seams"][0].update(a=["front.right.c", "front.right.e"])),
+     "warning", "edge-short", "panels.front.edges.z", "0.400 mm long"),
+    ("narrow", lambda d: d["panels"].update(strip=square(points={"a": [0, 0], "b": [300, 0], "c": [300, 15], "d": [0, 15]}, notches=[])),
+     "warning", "panel-too-small", "panels.strip", "15.0 mm wide"),
+    ("too narrow", lambda d: d["panels"].update(strip=square(points={"a": [0, 0], "b": [300, 0], "c": [300, 6], "d": [0, 6]}, notches=[])),
+     "error", "panel-too-small", "panels.strip", "6.0 mm wide"),
+    ("cutout outside", lambda d: (d["panels"]["front"]["points"].update(h=[310, 200]), d["panels"]["front"].update(
+        cutouts=[[{"name": "o", "from": "h", "to": "h", "arc": {"center": [290, 200], "direction": "clockwise"}}]])),
+     "error", "cutout-outside", "panels.front.cutouts.0", "of 1253 mm2"),
+    ("region half outside", lambda d: d["panels"]["front"].update(regions=[{"name": "r", "polygon": [[250, 0], [350, 0], [350, 100], [250, 100]]}]),
+     "warning", "region-outside", "panels.front.regions.r", "of 10000 mm2"),
+    ("region outside", lambda d: d["panels"]["front"].update(regions=[{"name": "r", "polygon": [[500, 0], [600, 0], [600, 100]]}]),
+     "error", "region-outside", "panels.front.regions.r", "5000 of 5000 mm2"),
+    ("8.5 mm too short", lambda d: (long_back(d, 8.5), d.update(seams=d["seams"][:1])),
+     "error", "seam-length", "seams.one", "side b 408.5 mm long; with the intended ease of 0 % side a should be 408.5 mm, it is 8.5 mm too short (8.2 mm"),
+    ("8 mm too short", lambda d: (long_back(d, 8), d.update(seams=d["seams"][:1])),
+     "note", "seam-length", "seams.one", "8.0 mm too short"),
+    ("gathers missing", lambda d: d["seams"][0].update(ease=0.5),
+     "error", "seam-length", "seams.one", "with the intended ease of 50 % side a should be 600.0 mm, it is 200.0 mm too short (12.0 mm are allowed)"),
+    ("sewn twice", lambda d: d["seams"].append({"name": "three", "a": ["front.right.c", "front.right.b"], "b": ["back.hem.a", "back.hem.b"], "ease": 1 / 3}),
+     "error", "edge-sewn-twice", "seams.three", "edge front.right (b to c) is sewn in seam one too"),
+    ("sewn to itself", lambda d: d["seams"][0].update(b=["front.right.b", "front.right.c"]),
+     "error", "edge-sewn-twice", "seams.one", "twice in this seam"),
+    ("notch moved", lambda d: d["panels"]["back"]["notches"][1].update(at={"mm": 120, "from": "d"}),
+     "warning", "notch-mismatch", "seams.one", "from the start to notch r side a is 100.0 mm and side b 120.0 mm"),
+    ("notch alone", lambda d: d["panels"]["back"]["notches"].pop(1),
+     "note", "notch-alone", "seams.one", "notch r stands on side a only"),
+    ("notch twice", lambda d: d["seams"].__setitem__(slice(None), [{"name": "one", "a": ["front.right.b", "front.left.a"], "b": [
+        ["back.right.b", "back.right.c"], ["back.waist.c", "back.waist.d"], ["back.left.d", "back.left.a"]]}]),
+     "error", "notch-twice", "seams.one", "side a has 2 notches called r"),
+    ("notch order", lambda d: [d["panels"][panel]["notches"].append({"edge": edge, "at": {"mm": mm, "from": start}, "name": "s"})
+                               for panel, edge, mm, start in (("front", "right", 120, "c"), ("back", "left", 80, "d"))],
+     "error", "notch-order", "seams.one", "the notches r, s"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("fault", FAULTS, ids=lambda fault: fault[0])
+def test_faults(fault: tuple) -> None:
+    _, change, severity, code, key, message = fault
+    found = [finding for finding in findings(change) if finding.code == code and finding.key == key]
+    assert found
+    assert (found[0].severity, found[0].file) == (severity, "tube.yaml")
+    assert message in found[0].message
+    assert found[0].remedy
+
+
+def test_thin_enough_for_a_finer_grid() -> None:
+    strip = square(points={"a": [0, 0], "b": [300, 0], "c": [300, 15], "d": [0, 15]}, notches=[])
+    (finding,) = findings(lambda data: data["panels"].update(strip=strip))
+    assert "grid of at most 7.5 mm" in finding.remedy
+    assert findings(lambda data: data["panels"].update(strip=strip), grid_mm=7.5) == []
+
+
+def test_crossing_is_where_it_is() -> None:
+    found = findings(lambda data: data["panels"]["front"]["points"].update(c=[100, 400], d=[150, 400], h=[150, 200]) or data.update(seams=[]))
+    assert [finding.code for finding in found] == ["outline-crosses-itself"]
+    # The lines from (300, 0) to (100, 400) and from (150, 400) to (0, 0) meet where 8x/3 = 2 (300 - x).
+    x = 600 / (2 + 8 / 3)
+    assert f"at ({x:.1f}, {8 * x / 3:.1f}) mm, on right and left" in found[0].message
+
+
+def test_errors_come_first() -> None:
+    found = findings(lambda data: (data["seams"][1].update(ease=0.5), data["panels"]["back"]["notches"].pop(1)))
+    ranks = [("error", "warning", "note").index(finding.severity) for finding in found]
+    assert ranks == sorted(ranks)
+    assert set(ranks) == {0, 1, 2}
+
+
+def test_refusals_are_findings() -> None:
+    data = copy.deepcopy(GOOD)
+    data["panels"]["front"]["edges"][1]["to"] = "d"
+    pattern, errors = draft_errors(parse_spec(data, "tube.yaml"), BODY)
+    assert pattern is None
+    finding = refusal(errors[0])
+    assert (finding.severity, finding.file, finding.key) == ("error", "tube.yaml", "panels.front.edges.2.from")
+    assert str(finding).startswith("error: tube.yaml: panels.front.edges.2.from: the outline is open")

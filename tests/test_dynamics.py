@@ -1,0 +1,133 @@
+"""The stepper against closed forms: free fall, a hanging strip's stretch, its rest test; strain limiting; the same bits on any number of threads."""
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+import pytest
+
+from garmentcad.arrays import floats
+from garmentcad.cloth.cloth import Cloth
+from garmentcad.cloth.lattice import rectangle_cloth
+from garmentcad.cloth.state import State
+from garmentcad.fabric.material import MaterialTable
+from garmentcad.forces.assembly import ForceAssembly
+from garmentcad.forces.drag import ForceDrag
+from garmentcad.forces.gravity import ForceGravity
+from garmentcad.forces.internal import internal_forces
+from garmentcad.solve.dynamics import RUNAWAY_M_S, DivergedError, Dynamics
+from garmentcad.solve.rest import RESIDUAL_G, patches, residual
+from garmentcad.solve.strain_limit import StrainLimit
+from garmentcad.units import GRAVITY_M_S2
+
+STIFFNESS = 2000.0  # N/m, warp and weft alike, linear
+MASS = 0.15  # kg/m2
+
+
+def linear_fabric(limit: float = 0.4) -> MaterialTable:
+    both = floats([[1.0, 1.0]])
+    one = floats([1.0])
+    return MaterialTable(
+        MASS * one, 0.2 * both, 0.2 * STIFFNESS * both, 0.0 * both, STIFFNESS * both, limit * both,
+        45.0 * one, 1e-5 * both, 0.5e-5 * one, 5e-4 * one, 0.3 * one, 0.3 * one,
+    )  # fmt: skip
+
+
+def hanging(cloth: Cloth) -> np.ndarray:
+    return np.column_stack([cloth.vertex_uv_mm * 1e-3, np.zeros(len(cloth.vertex_uv_mm))])
+
+
+def dynamics_of(cloth: Cloth, fixed: np.ndarray | None, drag: float, materials: MaterialTable) -> Dynamics:
+    forces = ForceAssembly(internal_forces(cloth, materials), cloth.particle_count, [ForceGravity(cloth.masses), ForceDrag(cloth.masses, drag)])
+    return Dynamics(cloth, forces, StrainLimit(cloth, materials), [], fixed)
+
+
+def test_free_fall_is_exact_and_untouched_by_internal_damping() -> None:
+    materials = linear_fabric()
+    cloth = rectangle_cloth(60.0, 40.0, 10.0, 20.0, materials)
+    state = State(hanging(cloth), np.zeros((cloth.particle_count, 3)))
+    shape = state.positions - state.positions[0]
+    dynamics = dynamics_of(cloth, None, 0.0, materials)
+    dynamics.start(state)
+    start = state.positions[:, 1].copy()
+    for _ in range(500):
+        dynamics.step(state)
+    # velocity first, then position: the sum over steps is g t (t + dt)/2
+    assert np.allclose(start - state.positions[:, 1], 0.5 * GRAVITY_M_S2 * state.time_s * (state.time_s + state.time_step_s), rtol=1e-9)
+    assert np.abs(state.positions - state.positions[0] - shape).max() < 1e-12
+
+
+@pytest.mark.parametrize("equalise", [False, True])
+def test_hanging_strip_stretches_by_theory_and_comes_to_rest(equalise: bool) -> None:
+    """Stretch of a strip under its weight: W g L^2/(2 Y) (PHYSICS 5), whatever masses slow its border down."""
+    materials = linear_fabric()
+    length = 0.2
+    cloth = rectangle_cloth(50.0, 200.0, 10.0, 0.0, materials)
+    positions = hanging(cloth)
+    fixed = positions[:, 1] > length - 1e-6
+    dynamics = dynamics_of(cloth, fixed, 60.0, materials)
+    dynamics.equalise = equalise
+    state = State(positions, np.zeros_like(positions))
+    dynamics.start(state)
+    patch = patches(cloth)
+    assert residual(dynamics, state, patch).rms_g > 0.5  # it has just been let go
+    before = state.positions.copy()
+    for _ in range(12000):
+        dynamics.step(state)
+    left = residual(dynamics, state, patch)
+    assert left.at_rest
+    assert left.rms_g < RESIDUAL_G
+    low = before[:, 1] < 1e-9
+    sunk = float(np.mean((before - state.positions)[low, 1]))
+    assert sunk == pytest.approx(MASS * GRAVITY_M_S2 * length**2 / (2.0 * STIFFNESS), rel=0.03)
+
+
+def test_strain_limit_stops_a_link_at_its_limit() -> None:
+    materials = linear_fabric(limit=0.1)
+    cloth = rectangle_cloth(50.0, 50.0, 10.0, 0.0, materials)
+    positions = hanging(cloth)
+    velocities = np.zeros_like(positions)
+    right = positions[:, 0] > 0.035
+    velocities[right, 0] = 60.0
+    inverse_masses = 1.0 / cloth.masses
+    momentum = (cloth.masses[:, None] * velocities).sum(axis=0)
+    limit, dt = StrainLimit(cloth, materials), 1e-4
+    limit.limit(positions, velocities, inverse_masses, dt)
+    ends = cloth.links.ends
+    ahead = positions + dt * velocities
+    stretched = np.linalg.norm(ahead[ends[:, 1]] - ahead[ends[:, 0]], axis=1) / cloth.links.rest_length - 1.0
+    assert stretched.max() <= 0.1 + 1e-3
+    assert np.allclose((cloth.masses[:, None] * velocities).sum(axis=0), momentum, rtol=1e-12)
+
+
+def test_same_bits_on_any_number_of_threads() -> None:
+    materials = linear_fabric()
+    cloth = rectangle_cloth(150.0, 150.0, 10.0, 30.0, materials)
+    found = set()
+    for threads in (1, 2):
+        if threads > numba.config.NUMBA_NUM_THREADS:
+            continue
+        numba.set_num_threads(threads)
+        positions = hanging(cloth) + 1e-4 * np.random.default_rng(5).standard_normal((cloth.particle_count, 3))
+        dynamics = dynamics_of(cloth, positions[:, 1] > 0.149, 2.0, materials)
+        dynamics.equalise = True
+        state = State(positions, np.zeros_like(positions))
+        dynamics.start(state)
+        for _ in range(300):
+            dynamics.step(state)
+        found.add(state.sha256())
+    numba.set_num_threads(numba.config.NUMBA_NUM_THREADS)
+    assert len(found) == 1
+
+
+def test_runaway_and_nan_are_caught_with_their_place() -> None:
+    materials = linear_fabric()
+    cloth = rectangle_cloth(50.0, 50.0, 10.0, 0.0, materials)
+    for bad in (2.0 * RUNAWAY_M_S, np.nan):
+        state = State(hanging(cloth), np.zeros((cloth.particle_count, 3)))
+        dynamics = dynamics_of(cloth, None, 0.0, materials)
+        dynamics.start(state)
+        state.velocities[7, 1] = bad
+        with pytest.raises(DivergedError) as caught:
+            dynamics.step(state)
+        assert caught.value.particle == 7

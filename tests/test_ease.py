@@ -1,0 +1,105 @@
+"""Sections and ease against circles, spheres and cylinders."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import trimesh
+from hand_made import cylinder_body, flat, rectangles, tube
+
+from garmentcad.analysis.ease import garment_ease, girth_at, girth_near
+from garmentcad.analysis.section import Plane, cut, horizontal
+
+COLUMNS, PANELS = 30, 2
+AROUND = COLUMNS * PANELS
+
+
+def chord_girth(radius: float) -> float:
+    """Girth of a regular polygon of AROUND corners."""
+    return 2.0 * AROUND * radius * math.sin(math.pi / AROUND)
+
+
+@pytest.mark.parametrize("height", [0.0, 0.3, -0.77])
+def test_sphere_section_is_a_circle(height: float) -> None:
+    mesh = trimesh.creation.icosphere(subdivisions=5, radius=1.0)
+    chains = cut(np.asarray(mesh.vertices), np.asarray(mesh.faces), horizontal(height))
+    assert len(chains) == 1
+    assert chains[0].closed
+    assert chains[0].length() == pytest.approx(2.0 * math.pi * math.sqrt(1.0 - height**2), rel=1e-3)
+    expected = mesh.section(plane_origin=[0.0, height, 0.0], plane_normal=[0.0, 1.0, 0.0])
+    if height != 0.0:  # vertices in the plane: trimesh cuts them differently
+        assert chains[0].length() == pytest.approx(expected.length, rel=1e-9)
+    assert chains[0].winds_around(np.zeros(3), horizontal(height))
+    assert not chains[0].winds_around(np.array([2.0, 0.0, 0.0]), horizontal(height))
+
+
+def test_oblique_plane_agrees_with_trimesh() -> None:
+    mesh = trimesh.creation.torus(major_radius=1.0, minor_radius=0.3)
+    normal = np.array([0.3, 0.9, 0.2]) / np.linalg.norm([0.3, 0.9, 0.2])
+    chains = cut(np.asarray(mesh.vertices), np.asarray(mesh.faces), Plane(normal, 0.05))
+    expected = mesh.section(plane_origin=0.05 * normal, plane_normal=normal)
+    assert len(chains) == 2
+    assert sum(chain.length() for chain in chains) == pytest.approx(expected.length, rel=1e-9)
+
+
+def test_flat_cloth_gives_one_open_chain() -> None:
+    cloth = rectangles(10, 4, 0.01, 1, sewn=False)
+    for height in (0.02, 0.015):  # through vertices and between them
+        for start in (0, 15, 55):  # wherever the walk begins
+            order = np.roll(np.arange(len(cloth.triangles)), -start)
+            chains = cut(flat(cloth), cloth.particle_triangles[order], horizontal(height))
+            assert [chain.closed for chain in chains] == [False]
+            assert chains[0].length() == pytest.approx(0.10)
+            assert chains[0].length_on(cloth.vertex_uv_mm[cloth.triangles[order]]) == pytest.approx(100.0)
+
+
+def test_tube_around_a_cylinder() -> None:
+    """A tube of 60 x 15 mm = 900 mm girth, draped as a circle of radius 0.13 m on a body of girth 2 pi 120 mm."""
+    cloth = rectangles(COLUMNS, 40, 0.015, PANELS, sewn=True)
+    positions = tube(cloth, COLUMNS, PANELS, lambda row, angle: np.full_like(angle, 0.13), lambda row: 0.6 + 0.015 * row)
+    body = cylinder_body(0.12)
+    ease = garment_ease(cloth, positions, body)
+    assert ease["bust"] is None
+    for name in ("waist", "hip"):
+        found = ease[name]
+        assert found is not None
+        assert found.draped_mm == pytest.approx(1000.0 * chord_girth(0.13) - 240.0 * math.pi, abs=1e-6)
+        assert found.pattern_mm == pytest.approx(900.0 - 240.0 * math.pi, abs=1e-6)
+        assert found.level_mm == body.measurements_mm[f"{name}_height"]
+
+
+def test_cone_girth_grows_with_depth() -> None:
+    cloth = rectangles(COLUMNS, 40, 0.015, PANELS, sewn=True)
+    positions = tube(cloth, COLUMNS, PANELS, lambda row, angle: np.full_like(angle, 0.3 - 0.004 * row), lambda row: 0.6 + 0.015 * row)
+    girth = girth_at(cloth, positions, np.zeros(3), 600.0 + 15.0 * 10.0)
+    assert girth is not None
+    assert girth.draped_mm == pytest.approx(1000.0 * chord_girth(0.26), abs=1e-6)
+
+
+def test_waistband_that_hangs_a_little_low_is_still_measured() -> None:
+    cloth = rectangles(COLUMNS, 40, 0.015, PANELS, sewn=True)
+    for drop, level in ((0.003, 1095.0), (0.021, 1075.0)):
+        positions = tube(cloth, COLUMNS, PANELS, lambda row, angle: np.full_like(angle, 0.13), lambda row, drop=drop: 0.5 - drop + 0.015 * row)
+        girth = girth_near(cloth, positions, np.zeros(3), 1100.0)
+        assert girth is not None
+        assert girth.level_mm == level
+    far = tube(cloth, COLUMNS, PANELS, lambda row, angle: np.full_like(angle, 0.13), lambda row: 0.45 + 0.015 * row)
+    assert girth_near(cloth, far, np.zeros(3), 1100.0) is None
+
+
+def test_fold_over_and_sleeve_do_not_count() -> None:
+    """The upper half of the tube is turned down over itself at a larger radius: the innermost loop is the girth. A tube beside the axis is none."""
+    cloth = rectangles(COLUMNS, 40, 0.015, PANELS, sewn=True)
+    positions = tube(
+        cloth,
+        COLUMNS,
+        PANELS,
+        lambda row, angle: np.full_like(angle, 0.13 if row <= 20 else 0.15),
+        lambda row: 0.6 + 0.015 * (row if row <= 20 else 40 - row),
+    )
+    girth = girth_at(cloth, positions, np.zeros(3), 707.0)
+    assert girth is not None
+    assert girth.draped_mm == pytest.approx(1000.0 * chord_girth(0.13), abs=1e-6)
+    assert girth_at(cloth, positions + np.array([0.4, 0.0, 0.0]), np.zeros(3), 707.0) is None

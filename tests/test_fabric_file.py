@@ -1,0 +1,121 @@
+"""Fabric files: what is read is what is written; every class of bad input is refused with file, key path and what is allowed."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from garmentcad.errors import FabricError, FileError, GarmentError
+from garmentcad.fabric.missing import complete
+from garmentcad.fabric.sheet import sheet_from
+from garmentcad.io.fabric_file import fabric_names, fabric_path, load_fabric, read_fabric, write_fabric
+from garmentcad.io.yaml_file import parse_yaml
+
+GOOD = """\
+schema: 1
+name: my-poplin
+source: our laboratory
+W: 11.8
+EMT: {warp: 3.5, weft: 7}
+B:
+  warp: {value: 0.1, source: the mill}
+  weft: {value: 0.064, estimate: "0.64 B.warp"}
+2HB: 0.1
+T0:
+"""
+
+BAD = [
+    pytest.param("W: 11.8", "W: 118", "W", "divide g/m2 by 10", id="g/m2"),
+    pytest.param("W: 11.8", "W: .nan", None, "line 4", id="nan"),
+    pytest.param("W: 11.8", "W: -1", "W", "impossible", id="negative"),
+    pytest.param("W: 11.8", "W: 1,18", "W.value", "'1,18' came", id="decimal comma"),
+    pytest.param("W: 11.8", "W: yes", "W.value", "'yes' came", id="word"),
+    pytest.param("W: 11.8", "W: 11.8\nW: 12", None, "line 5: key 'W' stands twice, first on line 4", id="twice"),
+    pytest.param("EMT:", "EMTT:", "EMTT", "did you mean 'EMT'", id="unknown key"),
+    pytest.param("warp: 3.5", "wrap: 3.5", "EMT.wrap", "did you mean 'warp'", id="unknown direction"),
+    pytest.param("warp: 3.5", "warp: 0.035", "EMT.warp", "percent", id="fraction"),
+    pytest.param("source: our laboratory\n", "", "W", "no source", id="no source"),
+    pytest.param("schema: 1\n", "", "schema", "required", id="no schema"),
+    pytest.param("W: 11.8\n", "", "W", "nothing can stand in", id="no weight"),
+    pytest.param("EMT: {warp: 3.5, weft: 7}", "LT: {warp: 0.7}\nEMT: {warp: 3.5}\nWT: {warp: 9}", "WT.warp", "at most 3 %", id="contradiction"),
+    pytest.param(GOOD, "- 1\n- 2\n", None, "a mapping of keys to values; list came", id="list"),
+    pytest.param(GOOD, "", None, "empty", id="empty"),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "key", "words"), BAD)
+def test_bad_file_is_refused_with_its_place(old: str, new: str, key: str | None, words: str, tmp_path: Path) -> None:
+    file = tmp_path / "cloth.yaml"
+    assert old in GOOD
+    file.write_text(GOOD.replace(old, new))
+    with pytest.raises(GarmentError) as caught:
+        load_fabric(file)
+    assert isinstance(caught.value, FabricError | FileError)
+    assert caught.value.file == str(file)
+    assert words in str(caught.value)
+    if key is not None:
+        assert caught.value.key == key
+
+
+def test_good_file(tmp_path: Path) -> None:
+    file = tmp_path / "cloth.yaml"
+    file.write_text(GOOD)
+    sheet = read_fabric(file)
+    assert {key: value.value for key, value in sheet.values().items()} == {
+        "W": 11.8, "EMT.warp": 3.5, "EMT.weft": 7.0, "B.warp": 0.1, "B.weft": 0.064, "2HB.mean": 0.1,
+    }  # fmt: skip
+    assert sheet.origin("B.warp") == "the mill"
+    done = load_fabric(file)
+    assert done.sheet.number("T0") == pytest.approx(0.295)
+    assert "T0" in done.assumed
+
+
+def test_written_files_read_back_equal(tmp_path: Path) -> None:
+    hard = sheet_from(
+        {
+            "schema": 1,
+            "name": "null",
+            "description": 'two\nlines: "quoted" # and more\n',
+            "sources": {"1999": "a: b", "true": "- c", "K 16": "née µ €", "value": "v"},
+            "W": {"value": 11.8, "source": "1999"},
+            "MIU": {"value": 1e-1, "estimate": "yes"},
+            "B": {"warp": {"value": 0.0005, "source": "value"}},
+            "law": {"sheet_sha256": "0" * 64, "values": {"B.warp": 0.1, "W": 12.0}},
+        }
+    )
+    for sheet in (hard, load_fabric(fabric_path("denim")).sheet, *(read_fabric(fabric_path(name)) for name in fabric_names())):
+        assert read_fabric(write_fabric(tmp_path / "copy.yaml", sheet)) == sheet
+
+
+def test_names_and_files(tmp_path: Path) -> None:
+    assert fabric_path("wool-suiting").name == "wool-suiting.yaml"
+    assert fabric_path(str(tmp_path / "a.yaml")) == tmp_path / "a.yaml"
+    with pytest.raises(FileError, match="did you mean 'wool-suiting'"):
+        fabric_path("wool-suting")
+    with pytest.raises(FileError, match="no such file"):
+        read_fabric(tmp_path / "none.yaml")
+
+
+def test_a_csv_file_of_one_fabric_is_a_fabric(tmp_path: Path) -> None:
+    file = tmp_path / "lab.csv"
+    file.write_text("name;W;B;DC\nbroad;12,38;0,118;82,9\n")
+    done = load_fabric(fabric_path(str(file)))
+    assert done.sheet.number("B.weft") == 0.118
+    assert [finding.key for finding in done.findings[:2]] == ["line 1, column 'DC'", "Fm"]
+    file.write_text("name;W;B\na;12;0,1\nb;13;0,1\n")
+    with pytest.raises(FabricError, match=r"2 fabrics came \(a, b\)"):
+        load_fabric(file)
+    file.write_text("name;B;G\na;0,1;1\n")
+    with pytest.raises(FabricError, match=r"lab\.csv: W: the mass per area is missing"):
+        load_fabric(file)
+
+
+@pytest.mark.parametrize("page", ["fabric.md", "howto/add-a-fabric.md"])
+def test_sheets_in_the_docs_are_accepted(page: str) -> None:
+    text = (Path(__file__).resolve().parent.parent / "docs" / page).read_text(encoding="utf-8")
+    blocks = [block for block in re.findall(r"```yaml\n(.*?)```", text, re.DOTALL) if "schema:" in block]
+    assert blocks
+    for block in blocks:
+        assert complete(sheet_from(parse_yaml(block, page))).sheet.number("MIU.mean") > 0

@@ -1,0 +1,47 @@
+"""Border triangles: uniform strain is exact and damping takes energy."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from force_checks import particle_forces
+from small_cloth import flat, materials, small_cloth
+
+from garmentcad.fabric.law_tension import tension, tension_energy
+from garmentcad.forces.border import ForceBorder
+
+CLOTH = small_cloth()
+ONE = materials()
+ONE = type(ONE)(*(np.repeat(column[:1], 2, axis=0) for column in ONE))  # both rows the first material
+CURVES = [tuple(float(column[0, axis]) for column in (ONE.tension_strain, ONE.tension_force, ONE.tension_exponent, ONE.tension_slope)) for axis in (0, 1)]
+
+
+@pytest.mark.parametrize(("warp", "weft"), [(0.02, 0.0), (0.0, 0.05), (0.06, 0.12), (-0.1, 0.03)])
+def test_uniform_strain_is_exact(warp: float, weft: float) -> None:
+    force = ForceBorder(CLOTH, ONE)
+    positions = flat(CLOTH) * [1.0 + weft, 1.0 + warp, 1.0]
+    density = tension_energy(warp, *CURVES[0]) + tension_energy(weft, *CURVES[1])
+    area = float(CLOTH.border.area.sum())
+    assert force.energy(positions) == pytest.approx(density * area, rel=1e-10)
+    # virtual work of widening and of lengthening the strip: tension times area
+    work = (particle_forces(force, positions) * flat(CLOTH)).sum(axis=0)
+    assert work[0] == pytest.approx(-tension(weft, *CURVES[1])[0] * area, rel=1e-9, abs=1e-12)
+    assert work[1] == pytest.approx(-tension(warp, *CURVES[0])[0] * area, rel=1e-9, abs=1e-12)
+
+
+@pytest.mark.parametrize("gamma", [0.04, -0.3])
+def test_uniform_shear_is_exact(gamma: float) -> None:
+    weft, warp = flat(CLOTH)[:, 0], flat(CLOTH)[:, 1]
+    positions = np.column_stack([weft + np.sin(gamma) * warp, np.cos(gamma) * warp, np.zeros_like(weft)])
+    assert ForceBorder(CLOTH, ONE).energy(positions) == pytest.approx(0.5 * 45.0 * gamma**2 * CLOTH.border.area.sum(), rel=1e-10)
+
+
+def test_damping_takes_energy() -> None:
+    velocities = np.random.default_rng(0).normal(size=(CLOTH.particle_count, 3))
+    power = np.sum(particle_forces(ForceBorder(CLOTH, ONE, 1e-5), flat(CLOTH), velocities) * velocities)
+    assert power < -1e-4
+
+
+def test_collapsed_triangles_are_finite() -> None:
+    for positions in (np.zeros((CLOTH.particle_count, 3)), flat(CLOTH) * [0.0, 1.0, 0.0]):
+        assert np.isfinite(particle_forces(ForceBorder(CLOTH, ONE, 1e-5), positions, flat(CLOTH))).all()

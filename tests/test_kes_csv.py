@@ -1,0 +1,126 @@
+"""CSV files as laboratories print them: layouts, separators, decimal commas; nothing is dropped without a finding."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from garmentcad.errors import FabricError, FileError, GarmentError
+from garmentcad.fabric.sheet import KesSheet
+from garmentcad.io.kes_csv import KesCsv, read_kes_csv
+
+
+def read(tmp_path: Path, content: str | bytes) -> KesCsv:
+    file = tmp_path / "lab.csv"
+    file.write_bytes(content.encode() if isinstance(content, str) else content)
+    return read_kes_csv(file)
+
+
+def numbers(sheet: KesSheet) -> dict[str, float]:
+    return {key: value.value for key, value in sheet.values().items()}
+
+
+EXPECTED = {"W": 12.38, "EMT.warp": 3.5, "EMT.weft": 7.0, "B.mean": 0.118}
+
+ONE_A_ROW = {
+    "comma": "name,W,EMT warp,EMT weft,B mean\nbroad,12.38,3.5,7,0.118\n",
+    "g/m2": "fabric,weight_g_m2,EMT-1 %,EMT-2 %,B\nbroad,123.8,3.5,7,.118\n",
+    "semicolon, decimal comma": "Name;W (mg/cm²);EMT warp (%);EMT weft (%);B (gf·cm²/cm)\nbroad;12,38;3,5;7;0,118\n",
+    "quoted decimal comma": '"name","W","EMT warp","EMT weft","B"\n"broad","12,38","3,5 %","7%","0,118"\n',
+    "tab and blanks": "name\tW\tEMT warp\tEMT weft\tB\tG\n\n  broad \t 12.38 \t3.5\t7\t0.118\t-\n\n",
+    "windows line ends": "name;W;EMT1;EMT2;B\r\nbroad;12.38;3.5;7;0.118\r\n",
+    "empty column at the end": "name;W;EMT1;EMT2;B;;\nbroad;12.38;3.5;7;0.118;;\n",
+}
+ONE_VALUE_A_ROW = {
+    "directions": "Property;Unit;Warp;Weft;Mean\nName;;broad;;\nW;mg/cm2;;;12,38\nEMT;%;3,5;7;\nB;gf.cm2/cm;;;0,118\n",
+    "value": "parameter,value,unit\nname,broad,\nweight,123.8,g/m2\nEMT warp,3.5,%\nEMT weft,7,%\nB mean,0.118,gf.cm2/cm\n",
+    "direction column": "fabric,symbol,direction,value\nbroad,W,,12.38\nbroad,EMT,warp,3.5\nbroad,EMT,weft,7\nbroad,B,mean,0.118\n",
+}
+
+
+@pytest.mark.parametrize("layout", [*ONE_A_ROW, *ONE_VALUE_A_ROW])
+def test_layouts_give_the_same_sheet(layout: str, tmp_path: Path) -> None:
+    result = read(tmp_path, {**ONE_A_ROW, **ONE_VALUE_A_ROW}[layout])
+    (sheet,) = result.sheets
+    assert numbers(sheet) == EXPECTED
+    assert sheet.name == "broad"
+    assert sheet.source is not None
+    assert sheet.source.startswith("lab.csv, line ")
+    assert result.findings == ()
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "cp1252"])
+def test_encodings(encoding: str, tmp_path: Path) -> None:
+    result = read(tmp_path, "name;W (mg/cm²);B µN·m\nétoffe;12,38;11,571847\n".encode(encoding))
+    assert result.sheets[0].name == "étoffe"
+    assert numbers(result.sheets[0]) == {"W": 12.38, "B.mean": 0.118}
+    assert [finding.message for finding in result.findings] == (["the file is not UTF-8; it was read as Windows-1252"] if encoding == "cp1252" else [])
+
+
+def test_two_fabrics_one_value_a_row(tmp_path: Path) -> None:
+    result = read(tmp_path, "fabric,symbol,value\na,W,12\nb,W,20\na,B,0.1\nb,B,0.2\n")
+    assert [(sheet.name, numbers(sheet)) for sheet in result.sheets] == [("a", {"W": 12.0, "B.mean": 0.1}), ("b", {"W": 20.0, "B.mean": 0.2})]
+
+
+def test_texts_and_source(tmp_path: Path) -> None:
+    result = read(tmp_path, "name,fibre,weave,source,W\na,wool,twill,KES lab of X,20\n,,,,21\n")
+    assert [(s.name, s.fibre, s.weave, s.source) for s in result.sheets] == [("a", "wool", "twill", "KES lab of X"), ("lab-2", None, None, "lab.csv, line 3")]
+    assert read_kes_csv(tmp_path / "lab.csv", source="mill").sheets[1].source == "mill"
+
+
+def test_what_is_not_understood_is_reported(tmp_path: Path) -> None:
+    text = "KES-FB report;2024\nname;W;B warp;B sd;DC %;B weft [lbf in]\na;12;0.1;0.01;80;3\nb;13;;;;\ncomment only;;;;;\n"
+    result = read(tmp_path, text)
+    assert [numbers(sheet) for sheet in result.sheets] == [{"W": 12.0, "B.warp": 0.1}, {"W": 13.0}]
+    assert [(finding.severity, finding.key) for finding in result.findings] == [
+        ("info", "line 1"),
+        ("warning", "line 2, column 'B sd'"),
+        ("warning", "line 2, column 'DC %'"),
+        ("warning", "line 2, column 'B weft [lbf in]'"),
+        ("warning", "line 5, the whole row"),
+    ]
+    assert "its 1 values are not used" in result.findings[1].message
+
+
+def test_rows_that_are_not_understood_are_reported(tmp_path: Path) -> None:
+    result = read(tmp_path, "property;warp;weft;remark\nW;12;;\nKoshi;5.1;;\nB;0.1;0.08;\nT0;0.3;0.4;\n")
+    assert numbers(result.sheets[0]) == {"W": 12.0, "B.warp": 0.1, "B.weft": 0.08}
+    keys = [finding.key for finding in result.findings]
+    assert keys == ["line 1, column 'remark'", "line 3, warp of 'Koshi'", "line 5, warp of 'T0'", "line 5, weft of 'T0'"]
+
+
+BAD = [
+    pytest.param("", FileError, "no header line", id="empty"),
+    pytest.param("hello,world\n1,2\n", FileError, "no header line", id="no header"),
+    pytest.param("name,W\n", FileError, "no fabric below the header on line 1", id="no rows"),
+    pytest.param("name,W\na,nan\n", FabricError, "line 2, column 'W': 'nan' came for W", id="nan"),
+    pytest.param("name,W\na,inf\n", FabricError, "'inf' came", id="inf"),
+    pytest.param("name,W\na,-12\n", FabricError, "line 2: -12.0 mg/cm2 is impossible", id="negative"),
+    pytest.param("name,W\na,118\n", FabricError, "divide g/m2 by 10", id="g/m2 as mg/cm2"),
+    pytest.param("name,W\na,1e400\n", FabricError, "line 2", id="too large"),
+    pytest.param("name,W,B\na,12,0.118 0.01\n", FabricError, "line 2, column 'B'", id="two numbers in a cell"),
+    pytest.param("name,W,B\na,12,3 %\n", FabricError, "'3 %' came for B.mean", id="percent where none belongs"),
+    pytest.param('name,W\na,"1.234,5"\n', FabricError, "decimal point or comma", id="thousands"),
+    pytest.param("name,W,B\na,12,38,0,118\n", FileError, "line 2: 5 cells, but the header on line 1 has 3; decimal commas need", id="bare decimal commas"),
+    pytest.param("name,W,weight g/m2\na,12,120\n", FabricError, "'W' and 'weight g/m2': both mean W", id="one value twice"),
+    pytest.param("symbol,value\nW,12\nB,0.1\nW,13\n", FabricError, "line 4: W stands twice", id="one row twice"),
+    pytest.param("symbol,unit\nW,g\n", FileError, "no column of numbers", id="no numbers"),
+    pytest.param('name,W\n"a,12\n', FileError, "not valid CSV", id="open quote"),
+    pytest.param("name,W\na\0,12\n", FileError, "null characters", id="null"),
+    pytest.param("name,W\n" + "a,12\n" * 6000, FileError, "more than 5000 rows", id="too many rows"),
+]
+
+
+@pytest.mark.parametrize(("text", "error", "words"), BAD)
+def test_bad_files_are_refused(text: str, error: type[GarmentError], words: str, tmp_path: Path) -> None:
+    with pytest.raises(error) as caught:
+        read(tmp_path, text)
+    assert words in str(caught.value)
+    assert "lab.csv" in str(caught.value)
+
+
+def test_folder_and_missing_file_are_refused(tmp_path: Path) -> None:
+    for path in (tmp_path, tmp_path / "none.csv"):
+        with pytest.raises(FileError):
+            read_kes_csv(path)

@@ -1,0 +1,54 @@
+"""Labels as laboratories print them."""
+
+from __future__ import annotations
+
+import pytest
+
+from garmentcad.fabric.quantity import QUANTITIES
+from garmentcad.io.kes_header import Label, read_label
+
+UNDERSTOOD = {
+    "B warp (gf.cm2/cm)": ("B.warp", 1.0),
+    "2HB-weft [gf·cm/cm]": ("2HB.weft", 1.0),
+    "G_gf_cm_deg_mean": ("G.mean", 1.0),
+    "G (gf/cm·degree) Warp": ("G.warp", 1.0),
+    "2HG5_gf_cm_mean": ("2HG5.mean", 1.0),
+    "2HG (5°)": ("2HG5.mean", 1.0),
+    "2HG 0.5° weft gf/cm": ("2HG.weft", 1.0),
+    "2HG1": ("2HG.warp", 1.0),
+    "2hg52": ("2HG5.weft", 1.0),
+    "B2": ("B.weft", 1.0),
+    "EMT-1 %": ("EMT.warp", 1.0),
+    "RT [%] filling": ("RT.weft", 1.0),
+    "Weft WT (gf·cm/cm²)": ("WT.weft", 1.0),
+    "weight_g_m2": ("W", 0.1),
+    "Weight (g/m²)": ("W", 0.1),
+    "Mass per unit area, mg/cm^2": ("W", 1.0),
+    "thickness_mm": ("T0", 1.0),
+    "Bending rigidity B, weft": ("B.weft", 1.0),
+    "B_bias_gfcm2_cm": ("B.bias", 1.0),
+    "B µN·m mean": ("B.mean", 1 / 98.0665),
+    "Fm N/m": ("Fm", 1 / 0.980665),
+    "MMD": ("MMD.mean", 1.0),
+    "SMD_um": ("SMD.mean", 1.0),
+    "LT": ("LT.mean", 1.0),
+}
+
+
+@pytest.mark.parametrize("text", list(UNDERSTOOD))
+def test_understood(text: str) -> None:
+    assert read_label(text) == Label(*UNDERSTOOD[text])
+
+
+@pytest.mark.parametrize(
+    "text", ["B sd", "DC_pct", "B [lbf in]", "T0 um", "EMT bias", "W warp", "G window", "Mean", "", "notes", "B warp weft", "LT %", "weight loss %", "2HG 8"]
+)
+def test_not_understood(text: str) -> None:
+    assert read_label(text) is None
+
+
+def test_every_name_of_the_sheet_with_its_own_unit() -> None:
+    for quantity in QUANTITIES.values():
+        for way in quantity.directions or ("",):
+            label = read_label(f"{quantity.name} {way} ({quantity.unit})")
+            assert label == Label(f"{quantity.name}.{way}" if way else quantity.name, 1.0)

@@ -1,0 +1,101 @@
+"""Mannequins from YAML files and scans, and what is refused."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from garmentcad.errors import FileError, GarmentError, MannequinError
+from garmentcad.io.mannequin_file import mannequin_names, read_human, read_mannequin
+
+GOOD = "schema: 1\nunits: mm\nkind: woman\nmeasurements: {bust: 880, waist: 720, hip: 960}\n"
+
+
+def written(folder, text):
+    path = folder / "body.yaml"
+    path.write_text(text)
+    return path
+
+
+def test_measurement_file_gives_the_shipped_body(tmp_path):
+    mine, shipped = read_mannequin(written(tmp_path, GOOD)), read_mannequin("woman-88")
+    np.testing.assert_allclose(mine.vertices, shipped.vertices, atol=1e-9)
+    assert mine.name == "body"
+
+
+def test_arm_angle_in_a_file(tmp_path):
+    axis = read_mannequin(written(tmp_path, GOOD + "arm_angle: 30\n")).cylinders["arm_left"].up
+    assert np.degrees(np.arctan2(-axis[0], axis[1])) == pytest.approx(30, abs=0.01)
+
+
+def test_scan_of_a_known_body_measures_alike(tmp_path):
+    known = read_mannequin("woman-88")
+    path = tmp_path / "scan.ply"
+    trimesh.Trimesh(100 * known.vertices + [3, 5, 7], known.faces, process=False).export(path)  # cm, off centre
+    scan = read_mannequin(path)
+    for name in ("bust", "waist", "hip", "thigh", "stature"):
+        assert scan.measurements_mm[name] == pytest.approx(known.measurements_mm[name], rel=0.04)
+    assert set(scan.measurements_mm) == set(known.measurements_mm)
+    assert set(scan.landmarks) == set(known.landmarks)
+    assert set(scan.cylinders) == set(known.cylinders)
+    assert scan.part_names == known.part_names
+    moved = scan.landmarks["waist_front"] - known.landmarks["waist_front"]
+    for name in ("nape", "shoulder_point_left", "bust_point_right", "waist_left", "knee_right", "elbow_left", "wrist_left"):
+        assert np.linalg.norm(scan.landmarks[name] - known.landmarks[name] - moved * [0, 0, 1]) < 0.06
+    assert "nape" in scan.estimated
+    assert "bust" not in scan.estimated
+    assert scan.vertices[:, 1].min() == pytest.approx(0, abs=1e-12)
+
+
+def test_scan_that_is_no_body_is_refused(tmp_path):
+    path = tmp_path / "egg.obj"
+    trimesh.creation.icosphere(subdivisions=3, radius=0.8).export(path)
+    with pytest.raises(MannequinError, match="legs are not apart") as caught:
+        read_mannequin(path)
+    assert caught.value.file == str(path)
+
+
+BAD = {
+    "schema": (GOOD.replace("schema: 1", "schema: 2"), "schema"),
+    "units": (GOOD.replace("mm", "cm"), "units"),
+    "kind": (GOOD.replace("woman", "cat"), "kind"),
+    "unknown key": (GOOD + "colour: red\n", "colour"),
+    "unknown measurement": (GOOD.replace("waist", "waste"), "did you mean 'waist'"),
+    "no bust": (GOOD.replace("bust: 880, ", ""), "bust"),
+    "text": (GOOD.replace("880", "wide"), "measurements.bust"),
+    "truth": (GOOD.replace("880", "true"), "measurements.bust"),
+    "cm values": (GOOD.replace("880", "88"), "in mm"),
+    "impossible": (GOOD.replace("hip: 960", "hip: 960, waist_to_hip: 700"), "waist_to_hip"),
+    "odd arm": (GOOD.replace("hip: 960", "hip: 960, top_arm: 900"), "top_arm"),
+    "odd stature": (GOOD.replace("hip: 960", "hip: 960, nape_to_waist: 800"), "stature"),
+    "arm angle": (GOOD + "arm_angle: 10\n", "arm_angle"),
+    "arm angle text": (GOOD + "arm_angle: up\n", "arm_angle"),
+    "list": ("- 1\n- 2\n", "mapping"),
+    "measurements list": (GOOD.split("measurements")[0] + "measurements: [1, 2]\n", "measurements"),
+    "alias": ("a: &x [1]\nb: *x\n", "alias|anchor"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_files_are_refused_with_file_and_reason(tmp_path, name):
+    text, reason = BAD[name]
+    path = written(tmp_path, text)
+    with pytest.raises(GarmentError, match=reason) as caught:
+        read_mannequin(path)
+    assert caught.value.file == str(path)
+
+
+def test_unknown_names_and_endings():
+    with pytest.raises(FileError, match="woman-88"):
+        read_mannequin("woman-89")
+    with pytest.raises(FileError, match="ending"):
+        read_mannequin("body.txt")
+
+
+def test_shipped_names_and_model():
+    assert {"woman-88", "man-100"} <= set(mannequin_names())
+    for kind in ("woman", "man"):
+        model = read_human(kind)
+        assert len(model.targets) == len(model.target_names) == 31
+        assert {"waist_level", "hip_level", "shoulder", "elbow", "wrist"} <= set(model.joint_names)
+        assert np.all(model.base[: model.border, 0] == 0)
+        assert model.base[model.border :, 0].min() > 0

@@ -1,0 +1,106 @@
+"""Sheet to SI against numbers worked out by hand."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from garmentcad.errors import FabricError
+from garmentcad.fabric.law_tension import tension
+from garmentcad.fabric.material import MaterialRow, MaterialTable, material_row, material_table
+from garmentcad.fabric.missing import complete
+from garmentcad.fabric.sheet import KesSheet, sheet_from, sheet_sha256
+
+DATA: dict[str, Any] = {
+    "schema": 1,
+    "name": "x",
+    "source": "our laboratory",
+    "W": 20.0,
+    "T0": 0.6,
+    "Fm": 500,
+    "LT": {"warp": 1.0, "weft": 0.7},
+    "EMT": {"warp": 5.0, "weft": 8.0},
+    "G": {"warp": 0.6, "weft": 0.4},
+    "B": {"warp": 0.12, "weft": 0.08, "bias": 0.1},
+    "MIU": 0.2,
+}
+
+
+def completed(**changes: Any) -> KesSheet:
+    return complete(sheet_from({**DATA, **changes})).sheet
+
+
+def test_si_values_by_hand() -> None:
+    row = material_row(completed())
+    assert row.areal_mass == pytest.approx(0.2)
+    assert row.tension_strain == pytest.approx((0.05, 0.08))
+    assert row.tension_force == pytest.approx((490.3325, 490.3325))
+    assert row.tension_exponent[0] == pytest.approx(0.0, abs=1e-9)
+    assert row.tension_slope[0] == pytest.approx(490.3325 / 0.05)
+    assert row.strain_limit[0] == pytest.approx(0.075)  # linear: 1.5 Fm at 1.5 em
+    assert row.shear == pytest.approx(28.095, abs=0.005)  # 0.5 gf/(cm.deg), 56.19 N/m per rad each
+    assert row.bending == pytest.approx((0.12 * 9.80665e-5, 0.08 * 9.80665e-5))
+    assert row.twist == pytest.approx(0.05 * 9.80665e-5)  # 0.1 - (0.12 + 0.08)/4
+    assert row.thickness == pytest.approx(6e-4)
+    assert (row.friction_body, row.friction_cloth) == pytest.approx((0.2, 0.26))
+
+
+def test_weft_curve_carries_one_and_a_half_fm_at_its_limit() -> None:
+    row = material_row(completed())
+    arguments = (row.tension_strain[1], row.tension_force[1], row.tension_exponent[1], row.tension_slope[1])
+    assert row.strain_limit[1] > row.tension_strain[1]
+    assert tension(row.strain_limit[1], *arguments)[0] == pytest.approx(1.5 * 490.3325, rel=1e-12)
+    assert 2 / arguments[2] - 2 / math.expm1(arguments[2]) == pytest.approx(0.7, rel=1e-12)
+
+
+def test_off_axis_bending_of_the_table_is_the_bias_of_the_sheet() -> None:
+    """Clamped wide specimen at 45 degrees: (Bw + Bf)/4 + D66 = B_bias."""
+    row = material_row(completed())
+    assert sum(row.bending) / 4 + row.twist == pytest.approx(0.1 * 9.80665e-5)
+    assert material_row(completed(B={"warp": 0.12, "weft": 0.08, "bias": 0.04})).twist == 0.0
+
+
+def test_factors_multiply() -> None:
+    row, plain = material_row(completed(), {"B": 2, "B.warp": 1.5, "W": 3, "MIU": 0.5, "G.warp": 2.0, "EMT": 0.5}), material_row(completed())
+    assert np.divide(row.bending, plain.bending) == pytest.approx((3.0, 2.0))
+    assert row.areal_mass == pytest.approx(0.6)
+    assert row.friction_cloth == pytest.approx(0.13)
+    assert row.shear / plain.shear == pytest.approx((2 * 0.6 + 0.4) / 1.0)
+    assert row.tension_strain == pytest.approx((0.025, 0.04))
+    assert row.twist == pytest.approx((0.2 - (0.36 + 0.16) / 4) * 9.80665e-5)
+
+
+@pytest.mark.parametrize("factors", [{"B": 0}, {"B": -1.0}, {"B": float("nan")}, {"B": float("inf")}, {"B": True}, {"B": "2"}, {"Bee": 2.0}, {"B.up": 2.0}])
+def test_factors_that_are_refused(factors: dict[str, Any]) -> None:
+    with pytest.raises(FabricError):
+        material_row(completed(), factors)
+
+
+def test_a_sheet_with_gaps_is_refused() -> None:
+    with pytest.raises(FabricError, match="complete the sheet first"):
+        material_row(sheet_from(DATA | {"G": {"warp": 0.5}}))
+
+
+def test_calibrated_law_stands_in_only_for_its_own_sheet() -> None:
+    law = {"sheet_sha256": sheet_sha256(completed()), "values": {"G.warp": 0.7, "B.weft": 0.1}}
+    row = material_row(completed(law=law), {"G": 2.0})
+    assert row.shear == pytest.approx(2 * 0.55 * 56.1879, rel=1e-5)
+    assert row.bending[1] == pytest.approx(0.1 * 9.80665e-5)
+    assert material_row(completed(law=law, W=21.0)).bending == material_row(completed()).bending
+
+
+def test_table_has_the_rows_in_order_as_arrays() -> None:
+    rows = [material_row(completed()), material_row(completed(), {"W": 2.0})]
+    table = material_table(rows)
+    assert MaterialRow._fields == MaterialTable._fields
+    for name, column in table._asdict().items():
+        assert column.dtype == np.float64
+        assert column.flags.c_contiguous
+        assert column.shape == ((2, 2) if isinstance(getattr(rows[0], name), tuple) else (2,))
+        assert column[1] == pytest.approx(np.asarray(getattr(rows[1], name)))
+    assert table.areal_mass.tolist() == pytest.approx([0.2, 0.4])
+    with pytest.raises(FabricError, match="at least one row"):
+        material_table([])

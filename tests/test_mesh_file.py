@@ -1,0 +1,174 @@
+"""The door for scans: good files in every format and unit, and a table of bad ones."""
+
+import struct
+
+import numpy as np
+import pytest
+import trimesh
+
+from garmentcad.errors import FileError, MeshError
+from garmentcad.io import mesh_file
+from garmentcad.io.mesh_file import read_mesh
+
+
+def egg(height=1.7):
+    mesh = trimesh.creation.icosphere(subdivisions=3)
+    mesh.apply_scale([0.3 * height / 2, height / 2, 0.2 * height / 2])
+    return mesh
+
+
+@pytest.mark.parametrize("ending", ["obj", "ply", "stl", "glb"])
+def test_every_format_gives_the_same_closed_surface(tmp_path, ending):
+    path = tmp_path / f"body.{ending}"
+    egg().export(path)
+    vertices, faces = read_mesh(path)
+    assert vertices.dtype == np.float64
+    assert faces.dtype == np.int32
+    mesh = trimesh.Trimesh(vertices, faces, process=False)
+    assert mesh.is_watertight
+    assert mesh.volume == pytest.approx(egg().volume, rel=1e-5)
+    assert len(vertices) == len(egg().vertices)
+
+
+@pytest.mark.parametrize(("factor", "unit"), [(1, None), (100, None), (1000, None), (1 / 0.0254, "inch"), (10, "dm")])
+def test_units_are_found_or_given(tmp_path, factor, unit):
+    path = tmp_path / "body.obj"
+    mesh = egg()
+    mesh.apply_scale(factor)
+    mesh.export(path)
+    assert np.ptp(read_mesh(path, unit)[0][:, 1]) == pytest.approx(1.7, rel=1e-6)
+
+
+def test_inside_out_surface_is_turned(tmp_path):
+    path = tmp_path / "body.ply"
+    mesh = egg()
+    mesh.invert()
+    mesh.export(path)
+    assert trimesh.Trimesh(*read_mesh(path), process=False).volume > 0
+
+
+def obj(vertices, faces):
+    lines = [f"v {x} {y} {z}" for x, y, z in vertices] + ["f " + " ".join(str(k + 1) for k in face) for face in faces]
+    return "\n".join(lines).encode()
+
+
+def bad_nan():
+    text = obj(egg().vertices, egg().faces).split(b"\n")
+    text[5] = b"v nan 0 0"
+    return b"\n".join(text)
+
+
+def bad_stl_count():
+    raw = bytearray(egg().export(file_type="stl"))
+    struct.pack_into("<I", raw, 80, 4_000_000_000)
+    return bytes(raw)
+
+
+def bad_short_count():
+    raw = bytearray(egg().export(file_type="stl"))
+    struct.pack_into("<I", raw, 80, 3)
+    return bytes(raw)
+
+
+def bad_open():
+    mesh = egg()
+    return obj(mesh.vertices, mesh.faces[5:])
+
+
+def bad_turned():
+    mesh = egg()
+    faces = mesh.faces.copy()
+    faces[7] = faces[7][::-1]
+    return obj(mesh.vertices, faces)
+
+
+def bad_two():
+    one, two = egg(), egg()
+    two.apply_translation([2, 0, 0])
+    both = trimesh.util.concatenate([one, two])
+    return obj(both.vertices, both.faces)
+
+
+def bad_fin():
+    mesh = egg()
+    tip = len(mesh.vertices)
+    a, b = mesh.faces[0][:2]
+    return obj([*mesh.vertices, [3, 3, 3], [4, 4, 4]], [*mesh.faces, [a, b, tip], [b, a, tip + 1], [a, b, tip + 1], [b, a, tip]])
+
+
+BAD = {
+    "empty.obj": (lambda: b"", "empty"),
+    "empty.stl": (lambda: b"", "empty"),
+    "words.obj": (lambda: b"this is not a mesh\n", "no triangles|not a readable|0 faces"),
+    "noise.glb": (lambda: bytes(range(256)) * 4, "not a readable"),
+    "noise.ply": (lambda: bytes(range(256)) * 4, "not a readable"),
+    "noise.stl": (lambda: bytes(range(256)) * 4, "claims"),
+    "short.stl": (lambda: b"abc", "too few"),
+    "nan.obj": (bad_nan, "not finite"),
+    "lies.stl": (bad_stl_count, "claims 4000000000 triangles"),
+    "hides.stl": (bad_short_count, "claims 3 triangles"),
+    "lies.ply": (lambda: b"ply\nformat ascii 1.0\nelement vertex 999999999\nproperty float x\nend_header\n0\n", "claims 999999999"),
+    "open.obj": (bad_open, "not closed"),
+    "turned.obj": (bad_turned, "not turned alike"),
+    "two.obj": (bad_two, "2 separate"),
+    "fin.obj": (bad_fin, "more than two faces"),
+    "index.obj": (lambda: obj(egg().vertices[:50], egg().faces), "vertex|not a readable"),
+    "tiny.obj": (lambda: obj(egg(0.004).vertices, egg(0.004).faces), "0.5 to 2.5 m"),
+    "giant.obj": (lambda: obj(egg(9000).vertices, egg(9000).faces), "0.5 to 2.5 m"),
+    "few.obj": (lambda: obj([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]), "4 faces"),
+    "body.fbx": (lambda: b"x", "ending"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_bad_meshes_are_refused_with_the_reason(tmp_path, name):
+    content, reason = BAD[name]
+    path = tmp_path / name
+    path.write_bytes(content())
+    with pytest.raises(MeshError, match=reason) as caught:
+        read_mesh(path)
+    assert caught.value.file == str(path)
+
+
+def test_too_many_faces_are_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(mesh_file, "MAX_FACES", 200)
+    path = tmp_path / "body.ply"
+    egg().export(path)
+    with pytest.raises(MeshError, match="at most 200"):
+        read_mesh(path)
+
+
+def test_cut_off_files_never_leak_foreign_errors(tmp_path):
+    for ending in ("obj", "ply", "stl", "glb"):
+        raw = egg().export(file_type=ending)
+        raw = raw.encode() if isinstance(raw, str) else raw
+        for share in (0.05, 0.3, 0.6, 0.9, 0.999):
+            path = tmp_path / f"cut.{ending}"
+            path.write_bytes(raw[: int(len(raw) * share)])
+            with pytest.raises(MeshError):
+                read_mesh(path)
+
+
+def test_flipped_bytes_never_leak_foreign_errors(tmp_path):
+    random = np.random.default_rng(5)
+    for ending in ("obj", "ply", "stl", "glb"):
+        raw = egg().export(file_type=ending)
+        raw = np.frombuffer(raw.encode() if isinstance(raw, str) else raw, np.uint8)
+        path = tmp_path / f"flipped.{ending}"
+        for _ in range(25):
+            mutated = raw.copy()
+            mutated[random.integers(0, min(len(raw), 2000), 6)] = random.integers(0, 256, 6)
+            path.write_bytes(mutated.tobytes())
+            try:
+                vertices, faces = read_mesh(path)
+            except MeshError:
+                continue
+            assert np.isfinite(vertices).all()
+            assert len(faces) >= 100
+
+
+def test_missing_file_and_unknown_unit(tmp_path):
+    with pytest.raises(FileError, match="no such file"):
+        read_mesh(tmp_path / "none.obj")
+    with pytest.raises(MeshError, match="unit 'ell'"):
+        read_mesh(tmp_path / "none.obj", "ell")

@@ -1,0 +1,80 @@
+"""Dynamic constraints against the solution of C'' + 2 r C' + r^2 C = 0 and against momentum."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from garmentcad.constraints.points import ConstraintPoints, PointRows, stitch_rows
+from garmentcad.errors import InputError
+
+
+def run(constraint: ConstraintPoints, x: np.ndarray, v: np.ndarray, force: np.ndarray, inverse_masses: np.ndarray, dt: float, steps: int) -> None:
+    wanted = constraint.speeds(v)
+    for _ in range(steps):
+        wanted = constraint.next_speeds(x, wanted, dt)
+        v += dt * force * inverse_masses[:, None]
+        constraint.correct(v, wanted, dt)
+        x += dt * v
+
+
+def test_gap_decays_as_critical_damping_whatever_forces_pull() -> None:
+    rng = np.random.default_rng(1)
+    x, v = rng.standard_normal((6, 3)), np.zeros((6, 3))
+    inverse_masses = 1.0 / rng.uniform(0.5, 2.0, 6)
+    stitches = np.array([[0, 1], [1, 2], [3, 4]])  # two rows share particle 1
+    constraint = ConstraintPoints(stitch_rows(stitches, ("a", "a", "b")), inverse_masses, rate=10.0)
+    start = constraint.gaps(x).copy()
+    momentum = (v / inverse_masses[:, None]).sum(axis=0)
+    force = np.zeros((6, 3))
+    force[0], force[3] = [5.0, 0.0, -2.0], [-1.0, 3.0, 0.0]
+    dt, steps = 1e-5, 30000
+    run(constraint, x, v, force, inverse_masses, dt, steps)
+    t = dt * steps
+    assert np.allclose(constraint.gaps(x), start * (1.0 + 10.0 * t) * np.exp(-10.0 * t), atol=2e-4 * np.abs(start).max())
+    # inner forces carry no momentum: only the outer force changes it
+    assert np.allclose((v / inverse_masses[:, None]).sum(axis=0) - momentum, force.sum(axis=0) * t, atol=1e-9)
+
+
+def test_cycle_of_stitches_is_solved_and_named() -> None:
+    x, v = np.random.default_rng(2).standard_normal((3, 3)), np.zeros((3, 3))
+    constraint = ConstraintPoints(stitch_rows(np.array([[0, 1], [1, 2], [2, 0]]), ("p", "q", "r")), np.ones(3), rate=20.0)
+    assert constraint.redundant == ("p", "q", "r")
+    run(constraint, x, v, np.zeros((3, 3)), np.ones(3), 1e-4, 10000)
+    assert np.abs(constraint.gaps(x)).max() < 1e-6
+
+
+def test_pin_holds_a_weighted_point_under_load() -> None:
+    rows = PointRows(np.array([0, 0]), np.array([0, 1]), np.array([0.25, 0.75]), np.array([[0.0, 1.0, 0.0]]), ("pin",))
+    x, v = np.array([[1.0, 1.0, 0.0], [-1.0 / 3.0, 1.0, 0.0]]), np.zeros((2, 3))
+    constraint = ConstraintPoints(rows, np.ones(2), rate=30.0)
+    run(constraint, x, v, np.array([[0.0, -9.81, 0.0], [0.0, -9.81, 0.0]]), np.ones(2), 1e-4, 5000)
+    assert np.abs(constraint.gaps(x)).max() < 1e-12
+
+
+def test_row_on_fixed_particles_is_refused_by_name() -> None:
+    with pytest.raises(InputError, match="side"):
+        ConstraintPoints(stitch_rows(np.array([[0, 1]]), ("side",)), np.zeros(2), rate=1.0)
+
+
+def test_a_blocked_end_feeds_nothing_into_the_other() -> None:
+    """One end is held by something that acts after the constraint, and pulled hard: the other end still closes at the demanded pace."""
+    x, v = np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0]]), np.zeros((2, 3))
+    constraint = ConstraintPoints(stitch_rows(np.array([[0, 1]]), ("side",)), np.ones(2), rate=10.0)
+    wanted, dt, fastest = np.zeros((1, 3)), 1e-4, 0.0
+    for _ in range(20000):
+        wanted = constraint.next_speeds(x, wanted, dt)
+        v[0, 1] += dt * 50.0
+        constraint.correct(v, wanted, dt)
+        v[0] = 0.0
+        x += dt * v
+        fastest = max(fastest, float(np.linalg.norm(v[1])))
+    assert fastest < 1.0
+    assert np.linalg.norm(constraint.gaps(x)) < 2e-3
+
+
+def test_cap_bounds_the_force() -> None:
+    constraint = ConstraintPoints(stitch_rows(np.array([[0, 1]]), ("side",)), np.ones(2), rate=10.0, cap=0.5)
+    v = np.zeros((2, 3))
+    constraint.correct(v, np.array([[3.0, 0.0, 0.0]]), 0.01)
+    assert np.allclose(v, [[0.005, 0.0, 0.0], [-0.005, 0.0, 0.0]])

@@ -1,0 +1,122 @@
+"""A result folder can be drawn and exported again from its files alone."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hand_made import cylinder_body, rectangles, tube
+
+from garmentcad.cloth.state import State
+from garmentcad.errors import InputError
+from garmentcad.export import picture
+from garmentcad.export.cloth_file import read_cloth, write_cloth
+from garmentcad.export.result_folder import Result, read_result_folder, write_result_folder
+
+
+def result() -> Result:
+    cloth = rectangles(10, 8, 0.02, 2, sewn=True)
+    positions = tube(cloth, 10, 2, lambda row, angle: np.full_like(angle, 0.13), lambda row: 0.7 + 0.02 * row)
+    state = State(positions, np.zeros_like(positions), time_s=1.5, step=300)
+    maps = {"strain": np.linspace(0.0, 0.02, cloth.particle_count), "pressure": np.zeros(cloth.particle_count)}
+    return Result({"schema": 1, "garment": "tube"}, cloth, state, maps, cylinder_body())
+
+
+@pytest.fixture
+def no_view(monkeypatch: pytest.MonkeyPatch) -> None:
+    def missing(name: str):
+        raise picture.ViewMissing("pip install garmentcad[view]")
+
+    monkeypatch.setattr(picture, "_module", missing)
+
+
+def test_round_trip_with_pictures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("pyvista")
+    monkeypatch.setattr(picture, "OVERSAMPLING", 1)  # a quarter of the pixels
+    given = result()
+    written = write_result_folder(tmp_path / "out", given, {"spec": "x"})
+    names = {"report.json", "garment.obj", "garment.glb", "mannequin.obj", "state.npz", "cloth.npz", "maps.npz", "front.png", "back.png"}
+    assert {path.name for path in written.files} == names == {path.name for path in (tmp_path / "out").iterdir()}
+    assert written.files[-1].name == "report.json"
+    assert written.notes == ()
+    again = read_result_folder(tmp_path / "out")
+    assert again.report == given.report
+    assert again.state.sha256() == given.state.sha256()
+    assert (again.maps["strain"] == given.maps["strain"]).all()
+    assert again.mannequin is not None
+    assert len(again.mannequin.faces) == len(given.mannequin.faces)
+    picture.render_picture(tmp_path / "again.png", again.state.positions, again.cloth, again.mannequin, height_px=200)
+
+
+def test_cloth_keeps_every_bit(tmp_path: Path) -> None:
+    cloth = result().cloth
+    again = read_cloth(write_cloth(tmp_path / "cloth.npz", cloth))
+    assert again.panel_names == cloth.panel_names
+    assert again.seam_names == cloth.seam_names
+    assert again.spacing == cloth.spacing
+    assert set(again.edge_vertices) == set(cloth.edge_vertices)
+    for name, array in cloth.links._asdict().items():
+        assert (getattr(again.links, name) == array).all()
+        assert getattr(again.links, name).dtype == array.dtype
+    assert (again.vertex_uv_mm == cloth.vertex_uv_mm).all()
+    assert (again.edge_vertices["front.hem"] == cloth.edge_vertices["front.hem"]).all()
+    loose = rectangles(2, 2, 0.01, 1, sewn=False)
+    assert read_cloth(write_cloth(tmp_path / "loose.npz", loose)).seam_names == ()
+
+
+@pytest.mark.usefixtures("no_view")
+def test_without_the_extra_a_note_says_so_and_old_pictures_go(tmp_path: Path) -> None:
+    (tmp_path / "front.png").write_bytes(b"of an older run")
+    written = write_result_folder(tmp_path, result(), {})
+    assert not (tmp_path / "front.png").exists()
+    assert "garmentcad[view]" in written.notes[0]
+    assert (tmp_path / "report.json").exists()
+
+
+@pytest.mark.usefixtures("no_view")
+def test_a_diverged_state_leaves_report_and_state(tmp_path: Path) -> None:
+    broken = result()
+    broken.state.positions[3] = np.nan
+    written = write_result_folder(tmp_path, broken, {})
+    assert not (tmp_path / "garment.obj").exists()
+    assert "not finite" in written.notes[0]
+
+
+@pytest.mark.usefixtures("no_view")
+def test_a_killed_writer_leaves_no_report(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write_result_folder(tmp_path, result(), {})
+
+    def killed(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("garmentcad.export.result_folder.write_garment_glb", killed)
+    with pytest.raises(KeyboardInterrupt):
+        write_result_folder(tmp_path, result(), {})
+    assert not (tmp_path / "report.json").exists()
+    with pytest.raises(InputError, match=r"report\.json.*not the folder of a finished drape"):
+        read_result_folder(tmp_path)
+
+
+@pytest.mark.usefixtures("no_view")
+@pytest.mark.parametrize("name", ["report.json", "cloth.npz", "state.npz", "maps.npz", "mannequin.obj"])
+@pytest.mark.parametrize("damage", ["cut", "empty", "noise"])
+def test_torn_files_are_refused_by_name(tmp_path: Path, name: str, damage: str) -> None:
+    write_result_folder(tmp_path, result(), {})
+    path = tmp_path / name
+    content = path.read_bytes()
+    path.write_bytes({"cut": content[: len(content) // 2], "empty": b"", "noise": bytes(range(256))}[damage])
+    with pytest.raises(InputError, match=name.replace(".", r"\.")):
+        read_result_folder(tmp_path)
+
+
+@pytest.mark.usefixtures("no_view")
+def test_files_of_different_runs_are_refused(tmp_path: Path) -> None:
+    write_result_folder(tmp_path, result(), {})
+    write_cloth(tmp_path / "cloth.npz", rectangles(3, 3, 0.01, 1, sewn=False))
+    with pytest.raises(InputError, match="16 particles"):
+        read_result_folder(tmp_path)
+    (tmp_path / "report.json").write_text(json.dumps([1]))
+    with pytest.raises(InputError, match="not a report"):
+        read_result_folder(tmp_path)

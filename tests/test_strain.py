@@ -1,0 +1,128 @@
+"""Strain along the yarns against imposed deformations."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hand_made import flat, materials, rectangles
+
+from garmentcad.analysis.strain import (
+    particle_mean,
+    share_over_limit_percent,
+    strain_map,
+    strain_percentiles,
+    trellis,
+    trellis_summary,
+    weighted_quantile,
+    yarn_strain,
+)
+from garmentcad.analysis.tension import tension_map, tension_n_m
+from garmentcad.analysis.tributary import particle_areas, triangle_areas
+from garmentcad.cloth.cloth import WARP, WEFT
+
+
+@pytest.mark.parametrize("border", [False, True])
+def test_stretched_grid(border: bool) -> None:
+    cloth = rectangles(8, 6, 0.01, 1, sewn=False, border=border)
+    positions = flat(cloth) * [1.02, 1.05, 1.0]
+    for direction, expected in ((WARP, 5.0), (WEFT, 2.0)):
+        found = strain_percentiles(yarn_strain(cloth, positions, direction))
+        assert [found[key] for key in ("p50", "p99", "max", "min")] == pytest.approx([expected] * 4, abs=1e-9)
+    assert trellis_summary(trellis(cloth, positions))["max"] == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("border", [False, True])
+def test_sheared_grid(border: bool) -> None:
+    """x -> x + tan(g) y turns warp by g; its length becomes 1/cos(g), weft keeps its own."""
+    cloth = rectangles(8, 6, 0.01, 1, sewn=False, border=border)
+    positions = flat(cloth)
+    shear = math.radians(12.0)
+    positions[:, 0] += math.tan(shear) * positions[:, 1]
+    angles = trellis_summary(trellis(cloth, positions))
+    assert angles["p99"] == pytest.approx(12.0, abs=1e-9)
+    assert angles["max"] == pytest.approx(12.0, abs=1e-9)
+    assert angles["over_8_percent"] == pytest.approx(100.0)
+    assert strain_percentiles(yarn_strain(cloth, positions, WARP))["max"] == pytest.approx(100.0 * (1.0 / math.cos(shear) - 1.0))
+    assert strain_percentiles(yarn_strain(cloth, positions, WEFT))["max"] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_trellis_of_a_cell_takes_mean_directions() -> None:
+    """One corner moved 2 mm along weft: mean warp (1, 10), mean weft (1, 0)."""
+    cloth = rectangles(1, 1, 0.01, 1, sewn=False)
+    positions = flat(cloth)
+    positions[3, 0] += 0.002
+    assert trellis(cloth, positions).angle == pytest.approx([math.atan(0.1)])
+
+
+def test_rigid_motion_is_no_strain() -> None:
+    cloth = rectangles(5, 5, 0.01, 1, sewn=False)
+    turn = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))[0]
+    positions = flat(cloth) @ turn.T + [1.0, 2.0, 3.0]
+    for direction in (WARP, WEFT):
+        assert np.abs(yarn_strain(cloth, positions, direction).strain).max() < 1e-12
+    assert np.abs(trellis(cloth, positions).angle).max() < 1e-12
+
+
+def test_area_of_elements_is_the_cloth_in_both_directions() -> None:
+    for border in (False, True):
+        cloth = rectangles(7, 4, 0.01, 1, sewn=False, border=border)
+        for direction in (WARP, WEFT):
+            assert yarn_strain(cloth, flat(cloth), direction).area.sum() == pytest.approx(28e-4)
+        assert trellis(cloth, flat(cloth)).area.sum() == pytest.approx(28e-4)
+        assert particle_areas(cloth).sum() == pytest.approx(28e-4)
+        assert triangle_areas(cloth) == pytest.approx(np.full(56, 0.5e-4))
+
+
+def test_half_of_the_cloth_over_its_limit() -> None:
+    """The upper half is stretched 6 % along warp (limit 5 %), weft is at rest (limit 8 %): half of the warp elements, a quarter of all."""
+    cloth = rectangles(4, 8, 0.01, 1, sewn=False)
+    positions = flat(cloth)
+    above = np.maximum(positions[:, 1] - 0.04, 0.0)
+    positions[:, 1] += 0.06 * above
+    warp, weft = yarn_strain(cloth, positions, WARP), yarn_strain(cloth, positions, WEFT)
+    assert share_over_limit_percent(warp, weft, materials()) == pytest.approx(25.0)
+    assert strain_percentiles(warp)["p50"] == pytest.approx(0.0, abs=1e-9)
+    assert strain_percentiles(warp)["p99"] == pytest.approx(6.0)
+
+
+def test_map_of_a_uniform_strain_is_uniform_across_seams() -> None:
+    cloth = rectangles(6, 6, 0.01, 2, sewn=True)
+    warp, weft = (yarn_strain(cloth, np.zeros((cloth.particle_count, 3)), direction) for direction in (WARP, WEFT))
+    assert particle_mean(warp, np.full(len(warp.strain), 0.03), cloth.particle_count) == pytest.approx(0.03)
+    assert strain_map(cloth, warp, weft) == pytest.approx(-1.0)
+
+
+def test_quantiles_are_weighted() -> None:
+    values = np.array([3.0, 1.0, 2.0])
+    assert weighted_quantile(values, np.array([1.0, 1.0, 1.0]), 0.5) == 2.0
+    assert weighted_quantile(values, np.array([8.0, 1.0, 1.0]), 0.5) == 3.0
+    assert weighted_quantile(values, np.array([1.0, 9.0, 1.0]), 0.5) == 1.0
+    assert weighted_quantile(values[:0], values[:0], 0.5) is None
+
+
+def test_tension_follows_the_tensile_curve() -> None:
+    """Fm at em; work under the curve LT Fm em / 2 with LT = 2 (e^x - 1 - x) / (x (e^x - 1)); the tangent outside."""
+    table = materials()
+    row = np.zeros(1, dtype=np.int32)
+
+    def force(strain: float, material: int = 0) -> float:
+        return float(tension_n_m(np.array([strain]), row + material, table, WARP)[0])
+
+    assert force(0.04) == pytest.approx(490.33)
+    assert force(0.0) == 0.0
+    grid = np.linspace(0.0, 0.04, 4001)
+    work = np.trapezoid(tension_n_m(grid, np.zeros(len(grid), dtype=np.int32), table, WARP), grid)
+    linearity = 2.0 * (math.exp(2.0) - 3.0) / (2.0 * (math.exp(2.0) - 1.0))
+    assert work == pytest.approx(0.5 * linearity * 490.33 * 0.04, rel=1e-6)
+    assert force(0.05) - force(0.04) == pytest.approx(0.01 * (force(0.04) - force(0.04 - 1e-7)) / 1e-7, rel=1e-5)
+    assert force(-0.01) == pytest.approx(-0.01 * force(1e-7) / 1e-7, rel=1e-5)
+    assert force(0.05, material=1) == pytest.approx(490.33 / 2.0)
+
+
+def test_tension_map_takes_the_larger_direction() -> None:
+    cloth = rectangles(4, 4, 0.01, 1, sewn=False)
+    positions = flat(cloth) * [1.06, 1.0, 1.0]
+    warp, weft = (yarn_strain(cloth, positions, direction) for direction in (WARP, WEFT))
+    assert tension_map(cloth, warp, weft, materials()) == pytest.approx(490.33)

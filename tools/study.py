@@ -1,0 +1,59 @@
+"""make study: runs every case that has no committed row yet and writes the tables in docs/studies.
+
+`python -m tools.study TEXT` runs only cases with TEXT in their name.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from garmentcad import __version__
+from garmentcad.export.drape import finish
+from garmentcad.simulation.job import make_job
+from garmentcad.simulation.study import StudyCase, run_study, write_study_table
+
+ROOT = Path(__file__).resolve().parent.parent
+FOLDER = ROOT / "docs" / "studies"
+GARMENTS = ("flared-skirt", "straight-skirt", "t-shirt")
+FABRICS = ("cotton-shirting", "wool-suiting", "silk-habotai")
+MANNEQUINS = {"flared-skirt": ("woman-88",), "straight-skirt": ("woman-88",), "t-shirt": ("woman-88", "man-100")}
+KEPT = ("status", "particles", "steps", "simulated_time_s", "wall_time_s", "rest",
+        "strain_percent", "seam_gap_mm", "mannequin_penetration_mm",
+        "self_intersections", "mannequin_intersections", "pattern_ease_mm", "ease_mm", "hem_height_mm", "hem_range_mm",
+        "pressure_kpa", "state_sha256")  # fmt: skip
+COLUMNS = {
+    "case": "case", "status": "status", "particles": "particles", "steps": "steps", "wall s": "wall_time_s.total:.0f",
+    "forces s": "wall_time_s.forces:.0f", "detection s": "wall_time_s.detection:.0f", "response s": "wall_time_s.response:.0f",
+    "constraints s": "wall_time_s.constraints:.0f", "residual g": "rest.residual_g_rms:.1e",
+    "warp p99 %": "strain_percent.warp.p99:.2f", "weft p99 %": "strain_percent.weft.p99:.2f", "seam gap mm": "seam_gap_mm.max:.2f",
+    "penetration mm": "mannequin_penetration_mm.max:.2f", "self x": "self_intersections", "body x": "mannequin_intersections",
+    "waist ease mm": "ease_mm.waist:.0f", "hem mm": "hem_height_mm:.0f",
+}  # fmt: skip
+
+
+def garments(only: str | None) -> None:
+    """The three garments in three fabrics at 10 mm."""
+    cases = []
+    for garment in GARMENTS:
+        for body in MANNEQUINS[garment]:
+            for fabric in FABRICS:
+                job = make_job(garment, fabric, body)
+                cases.append(StudyCase(f"{garment} {fabric} {body}", job.spec_sha256, fabric, body, __version__, {"garment": garment}))
+
+    def run_case(case: StudyCase) -> Mapping[str, Any]:
+        garment = case.parameters["garment"]
+        job = make_job(garment, case.fabric, case.mannequin)
+        result, _ = finish(job, lambda progress: None, ROOT / "out" / "study" / case.name.replace(" ", "-"))
+        return {name: result.report[name] for name in KEPT}
+
+    study = run_study("garments", cases, run_case, FOLDER, only=only, say=print)
+    write_study_table(FOLDER / "garments.md", "Three garments in three fabrics", study.rows, COLUMNS, "make study")
+    for name, message in study.failed.items():
+        print(f"refused: {name}: {message}", file=sys.stderr)
+
+
+if __name__ == "__main__":
+    garments(sys.argv[1] if len(sys.argv) > 1 else None)
