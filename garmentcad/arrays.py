@@ -21,6 +21,10 @@ import numpy as np
 from numba import njit
 from numba.core import caching
 
+# A step calls a dozen parallel kernels with little between them. Waiting threads that go to sleep cost about 100 us a call to wake, spinning ones 4 us
+# (measured); libgomp reads this when it is loaded, which is when the first parallel kernel runs.
+os.environ.setdefault("GOMP_SPINCOUNT", "100000")
+
 _PACKAGE = Path(__file__).resolve().parent
 _IMPORT = re.compile(r"^\s*from\s+(garmentcad[\w.]*)\s+import\s+\(?([^()\n#]*(?:\([^)]*\))?)|^\s*import\s+(garmentcad[\w.]*)", re.MULTILINE)
 

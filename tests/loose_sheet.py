@@ -35,6 +35,10 @@ class Sheet:
         self.rest_length = np.linalg.norm(rest[self.ends[:, 1]] - rest[self.ends[:, 0]], axis=1)
         self.stiffness = np.where(self.rest_length < 1.2 * spacing_m, 60.0, 10.0)  # N/m of each spring; those across the cells are softer
 
+    def at(self, x: float, y: float, z: float) -> np.ndarray:
+        """The flat sheet with its middle at a place."""
+        return self.positions + np.array([x, y, z])
+
     def state(self, positions: np.ndarray, velocities: np.ndarray | None = None) -> State:
         return State(positions.copy(), np.zeros_like(positions) if velocities is None else velocities.copy())
 

@@ -26,7 +26,7 @@ def slide_on_body(degrees: float, steps: int) -> tuple[np.ndarray, float]:
     box = trimesh.creation.box(extents=(0.5, 0.1, 0.5)).subdivide().subdivide()
     sheet = Sheet(4)
     contact = ContactBody(box.vertices @ turn.T, box.faces, sheet.cloth, fabric(MU))
-    state = sheet.state((sheet.positions + [0, 0.05 + 1e-3, 0]) @ turn.T)
+    state = sheet.state(sheet.at(0, 0.05 + 1e-3, 0) @ turn.T)
     contact.start(state)
     for step in range(steps + 20):
         if step == 20:

@@ -63,26 +63,26 @@ def _pseudo_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
 
 
 @kernel
-def _box_gap2(box, x, y, z):  # type: ignore[no-untyped-def]
-    dx = max(box[0] - x, 0.0, x - box[3])
-    dy = max(box[1] - y, 0.0, y - box[4])
-    dz = max(box[2] - z, 0.0, z - box[5])
+def _box_gap2(boxes, box, x, y, z):  # type: ignore[no-untyped-def]
+    dx = max(boxes[box, 0] - x, 0.0, x - boxes[box, 3])
+    dy = max(boxes[box, 1] - y, 0.0, y - boxes[box, 4])
+    dz = max(boxes[box, 2] - z, 0.0, z - boxes[box, 5])
     return dx * dx + dy * dy + dz * dz
 
 
 @kernel
-def _foot(corners, x, y, z):  # type: ignore[no-untyped-def]
-    """Vector from the closest point of the triangle (3,3) to the point, and the feature: corner 0..2, 3 + corner opposite to the edge, 6 the face."""
+def _foot(corners, face, x, y, z):  # type: ignore[no-untyped-def]
+    """Vector from the closest point of a face to the point, and the feature: corner 0..2, 3 + corner opposite to the edge, 6 the face."""
     best, bx, by, bz, feature = math.inf, 0.0, 0.0, 0.0, 0
-    ux, uy, uz = corners[1, 0] - corners[0, 0], corners[1, 1] - corners[0, 1], corners[1, 2] - corners[0, 2]
-    vx, vy, vz = corners[2, 0] - corners[0, 0], corners[2, 1] - corners[0, 1], corners[2, 2] - corners[0, 2]
+    ux, uy, uz = corners[face, 1, 0] - corners[face, 0, 0], corners[face, 1, 1] - corners[face, 0, 1], corners[face, 1, 2] - corners[face, 0, 2]
+    vx, vy, vz = corners[face, 2, 0] - corners[face, 0, 0], corners[face, 2, 1] - corners[face, 0, 1], corners[face, 2, 2] - corners[face, 0, 2]
     nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
     square = nx * nx + ny * ny + nz * nz
     over = square > 0.0
     for k in range(3):
         i, j = (k + 1) % 3, (k + 2) % 3
-        ex, ey, ez = corners[j, 0] - corners[i, 0], corners[j, 1] - corners[i, 1], corners[j, 2] - corners[i, 2]
-        px, py, pz = x - corners[i, 0], y - corners[i, 1], z - corners[i, 2]
+        ex, ey, ez = corners[face, j, 0] - corners[face, i, 0], corners[face, j, 1] - corners[face, i, 1], corners[face, j, 2] - corners[face, i, 2]
+        px, py, pz = x - corners[face, i, 0], y - corners[face, i, 1], z - corners[face, i, 2]
         # Left of every edge: the point lies over the face.
         over = over and nx * (ey * pz - ez * py) + ny * (ez * px - ex * pz) + nz * (ex * py - ey * px) >= 0.0
         long2 = ex * ex + ey * ey + ez * ez
@@ -94,7 +94,7 @@ def _foot(corners, x, y, z):  # type: ignore[no-untyped-def]
             best, bx, by, bz = gap2, rx, ry, rz
             feature = i if t == 0.0 else (j if t == 1.0 else 3 + k)
     if over:
-        height = (nx * (x - corners[0, 0]) + ny * (y - corners[0, 1]) + nz * (z - corners[0, 2])) / square
+        height = (nx * (x - corners[face, 0, 0]) + ny * (y - corners[face, 0, 1]) + nz * (z - corners[face, 0, 2])) / square
         return height * nx, height * ny, height * nz, 6
     return bx, by, bz, feature
 
@@ -103,22 +103,22 @@ def _foot(corners, x, y, z):  # type: ignore[no-untyped-def]
 def _signed_one(x, y, z, corners, boxes, normals):  # type: ignore[no-untyped-def]
     nearest, first = math.inf, 0
     for box in range(len(boxes)):
-        gap2 = _box_gap2(boxes[box], x, y, z)
+        gap2 = _box_gap2(boxes, box, x, y, z)
         if gap2 < nearest:
             nearest, first = gap2, box
     best, sign = math.inf, 1.0
     # The nearest box first, so that few of the others remain.
     for turn in range(-1, len(boxes)):
         box = first if turn < 0 else turn
-        if (turn >= 0 and box == first) or _box_gap2(boxes[box], x, y, z) > best:
+        if (turn >= 0 and box == first) or _box_gap2(boxes, box, x, y, z) > best:
             continue
         for face in range(box * _CLUSTER, min((box + 1) * _CLUSTER, len(corners))):
-            rx, ry, rz, feature = _foot(corners[face], x, y, z)
+            rx, ry, rz, feature = _foot(corners, face, x, y, z)
             gap2 = rx * rx + ry * ry + rz * rz
             if gap2 < best:
                 best = gap2
-                normal = normals[face, feature]
-                sign = -1.0 if rx * normal[0] + ry * normal[1] + rz * normal[2] < 0.0 else 1.0
+                facing = rx * normals[face, feature, 0] + ry * normals[face, feature, 1] + rz * normals[face, feature, 2]
+                sign = -1.0 if facing < 0.0 else 1.0
     return sign * math.sqrt(best)
 
 

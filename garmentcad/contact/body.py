@@ -13,7 +13,7 @@ from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.state import State
 from garmentcad.contact.bvh import CHUNKS, EDGE_EDGE, TRIANGLE_POINT, box_distance2, chunk_range, fitted_tree, near_pairs, node_after
 from garmentcad.contact.elements import LEAST_GAP, elements, largest_around, unique_edges
-from garmentcad.contact.pairs import PUSH_SPEED, PUSH_TIME, candidates, farthest, keep_apart, load_pairs, store_pairs
+from garmentcad.contact.pairs import PUSH_SPEED, PUSH_TIME, Stand, candidates, farthest, keep_apart, load_pairs, room_for, store_pairs
 from garmentcad.contact.surface import build_surface, convex_curvature
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.geometry.closest import along, cross, distance_between, dot, minus, mixed, point_triangle, row, unit
@@ -61,14 +61,14 @@ def _collect(p, surface, tree, x, reaches, near):  # type: ignore[no-untyped-def
     node = 1
     while True:
         # Until something is in reach, the closest face is looked for; from then on all within reach.
-        apart = box_distance2(tree.boxes[node], x) > max(closest2, reach2)
+        apart = box_distance2(tree.boxes, node, x) > max(closest2, reach2)
         if not apart and node < leaves:
             node *= 2
             continue
         if not apart:
             for slot in range((node - leaves) * count // leaves, (node - leaves + 1) * count // leaves):
                 face = tree.order[slot]
-                corners = surface.faces[face]
+                corners = row(surface.faces, face)
                 distance2 = point_triangle(x, row(surface.vertices, corners[0]), row(surface.vertices, corners[1]), row(surface.vertices, corners[2]))[3]
                 closest2 = min(closest2, distance2)
                 if distance2 > reach2:
@@ -116,10 +116,10 @@ def _look(surface, tree, positions, reaches, near, looked):  # type: ignore[no-u
 @kernel
 def _face_contact(surface, face, grip, x, p):  # type: ignore[no-untyped-def]
     """Signed distance of x from the face, unit vector along which it grows, room above the gap there, and its cosine to the feature's pseudo-normal."""
-    corners = surface.faces[face]
+    corners = row(surface.faces, face)
     a, b, c = row(surface.vertices, corners[0]), row(surface.vertices, corners[1]), row(surface.vertices, corners[2])
     u, v, w, distance2, feature = point_triangle(x, a, b, c)
-    outward = row(surface.normals[face], feature)
+    outward = (surface.normals[face, feature, 0], surface.normals[face, feature, 1], surface.normals[face, feature, 2])
     apart = minus(x, mixed(a, b, c, u, v, w))
     distance = math.sqrt(distance2)
     rise = u * grip.rise[corners[0]] + v * grip.rise[corners[1]] + w * grip.rise[corners[2]]
@@ -141,20 +141,13 @@ def _cone(v, slide, limit):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _respond_one(p, surface, near, grip, positions, time_step, velocities):  # type: ignore[no-untyped-def]
+def _respond_one(p, reach, surface, near, grip, positions, time_step, velocities):  # type: ignore[no-untyped-def]
     """Velocity of particle p in place; returns the work of friction, J."""
-    count = near.found[p]
-    if count == 0 or grip.inverse_masses[p] == 0.0:
-        return 0.0
     x, v = row(positions, p), row(velocities, p)
-    # No face farther than this at the look can matter in the step; they are sorted.
-    reach = max(grip.gap[p], grip.largest_gap) + math.sqrt(dot(v, v)) * time_step + distance_between(positions, near.home, p)
-    if near.distances[p, 0] > reach:
-        return 0.0
     d1, d2, room1, room2 = math.inf, math.inf, math.inf, math.inf
     n1, n2 = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-    for k in range(count):
-        if near.distances[p, k] > reach:
+    for k in range(near.found[p]):
+        if near.distances[p, k] > reach:  # they are sorted
             break
         signed, normal, room, own = _face_contact(surface, near.faces[p, k], grip, x, p)
         distance = abs(signed)
@@ -208,7 +201,14 @@ def _respond_one(p, surface, near, grip, positions, time_step, velocities):  # t
 def _respond_of(particles, surface, near, grip, positions, time_step, changes):  # type: ignore[no-untyped-def]
     velocities, work = changes
     for p in range(particles[0], particles[1]):
-        work[p] = _respond_one(p, surface, near, grip, positions, time_step, velocities)
+        work[p] = 0.0
+        # The cheap question first: is any face in reach, and may the particle move?
+        if near.found[p] > 0 and grip.inverse_masses[p] > 0.0:
+            way, speed = distance_between(positions, near.home, p), math.sqrt(dot(row(velocities, p), row(velocities, p)))
+            # No face farther than this at the look can matter in the step.
+            reach = max(grip.gap[p], grip.largest_gap) + speed * time_step + way
+            if near.distances[p, 0] <= reach:
+                work[p] = _respond_one(p, reach, surface, near, grip, positions, time_step, velocities)
 
 
 @parallel_kernel
@@ -250,6 +250,7 @@ class ContactBody:
         self._point_tree = fitted_tree(self._body_points, self._nodes)
         self._edge_tree = fitted_tree(self._body_edges, self._nodes)
         self._work = np.zeros(count)
+        self._stand: Stand | None = None
 
     def start(self, state: State) -> None:
         """Allocate; every particle has to look."""
@@ -259,6 +260,11 @@ class ContactBody:
         )._asdict().items():
             state.contact[f"{self.name}_{key}"] = array
         self._find_pairs(state)
+
+    def set_inverse_masses(self, inverse_masses: np.ndarray) -> None:
+        """See `Contact.set_inverse_masses`."""
+        self.grip = self.grip._replace(inverse_masses=floats(inverse_masses))
+        self._node_inverse[: len(inverse_masses)] = inverse_masses
 
     def detect(self, state: State, reserve_m: float) -> bool:
         """See `Contact.detect`: particles look again one by one, pairs of elements all together."""
@@ -285,7 +291,8 @@ class ContactBody:
         pairs = load_pairs(state, self.name)
         if len(pairs.nodes):
             self._nodes[:count], self._speeds[:count] = state.positions, state.velocities
-            work, unresolved = keep_apart(pairs, self._nodes, self._speeds, self._node_inverse, time_step_s)
+            self._stand = room_for(pairs, self._stand)
+            work, unresolved = keep_apart(pairs, self._stand, self._nodes, self._speeds, self._node_inverse, time_step_s)
             state.velocities[:] = self._speeds[:count]
             state.work_j["friction"] += work
             if unresolved:

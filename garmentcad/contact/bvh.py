@@ -91,17 +91,17 @@ def node_after(node):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def box_distance2(box, p):  # type: ignore[no-untyped-def]
-    """Squared distance of the point p from a box (6,), 0 inside."""
-    total = 0.0
-    for axis in range(3):
-        out = max(max(box[axis] - p[axis], p[axis] - box[3 + axis]), 0.0)
-        total += out * out
-    return total
+def box_distance2(boxes, node, p):  # type: ignore[no-untyped-def]
+    """Squared distance of the point p from the box of a node, 0 inside."""
+    x = max(boxes[node, 0] - p[0], p[0] - boxes[node, 3], 0.0)
+    y = max(boxes[node, 1] - p[1], p[1] - boxes[node, 4], 0.0)
+    z = max(boxes[node, 2] - p[2], p[2] - boxes[node, 5], 0.0)
+    return x * x + y * y + z * z
 
 
 # Work is dealt out in this many parts whatever the number of threads. A part is a call of its own: inside a compiled prange body, arrays of a named
-# tuple cost 40 ns at each turn, and direct writes to them are lost (seen with numba 0.68).
+# tuple cost 40 ns at each turn, and direct writes to them are lost (seen with numba 0.68). Rows are read as tuples: a view of an array counts its
+# references, and two threads that count on the same line are no faster than one.
 CHUNKS = 64
 
 
@@ -112,8 +112,10 @@ def chunk_range(chunk, count):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _boxes_apart(box, low, high):  # type: ignore[no-untyped-def]
-    return box[0] > high[0] or box[3] < low[0] or box[1] > high[1] or box[4] < low[1] or box[2] > high[2] or box[5] < low[2]
+def _apart(boxes, node, low, high):  # type: ignore[no-untyped-def]
+    if boxes[node, 0] > high[0] or boxes[node, 1] > high[1] or boxes[node, 2] > high[2]:
+        return True
+    return boxes[node, 3] < low[0] or boxes[node, 4] < low[1] or boxes[node, 5] < low[2]
 
 
 @kernel
@@ -140,23 +142,23 @@ def _near_of(places, search, sides, tree, positions, rows, found):  # type: igno
     leaves, count = len(tree.boxes) // 2, len(tree.order)
     for place in range(places[0], places[1]):
         query = rows[place]
-        nodes, twins = queries.nodes[query], queries.identity[query]
+        nodes, twins = row(queries.nodes, query), row(queries.identity, query)
         a, b, c = row(own, nodes[0]), row(own, nodes[1]), row(own, nodes[2])
         low = (min(a[0], b[0], c[0]) - reach, min(a[1], b[1], c[1]) - reach, min(a[2], b[2], c[2]) - reach)
         high = (max(a[0], b[0], c[0]) + reach, max(a[1], b[1], c[1]) + reach, max(a[2], b[2], c[2]) + reach)
         hits = 0
         node = 1
         while True:
-            apart = _boxes_apart(tree.boxes[node], low, high)
+            apart = _apart(tree.boxes, node, low, high)
             if not apart and node < leaves:
                 node *= 2
                 continue
             if not apart:
                 for slot in range((node - leaves) * count // leaves, (node - leaves + 1) * count // leaves):
                     item = tree.order[slot]
-                    if (kind == EDGE_EDGE_ONCE and item <= query) or _share(twins, items.identity[item]):
+                    if (kind == EDGE_EDGE_ONCE and item <= query) or _share(twins, row(items.identity, item)):
                         continue
-                    if _distance2(kind, nodes, items.nodes[item], own, theirs) <= reach * reach:
+                    if _distance2(kind, nodes, row(items.nodes, item), own, theirs) <= reach * reach:
                         hits += 1
                         if hits < found.shape[1]:
                             back = hits

@@ -11,7 +11,7 @@ from garmentcad.cloth.state import State
 from garmentcad.cloth.weld import welded_particles
 from garmentcad.contact.bvh import EDGE_EDGE_ONCE, POINT_TRIANGLE, build_tree, fitted_tree, near_pairs, refit
 from garmentcad.contact.elements import LEAST_GAP, elements, largest_around, unique_edges
-from garmentcad.contact.pairs import candidates, farthest, keep_apart, load_pairs, store_pairs
+from garmentcad.contact.pairs import Stand, candidates, farthest, keep_apart, load_pairs, room_for, store_pairs
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.units import MM_TO_M
 
@@ -31,9 +31,10 @@ class ContactCloth:
     def __init__(self, cloth: Cloth, materials: MaterialTable, inverse_masses: np.ndarray | None = None) -> None:
         count, triangles = cloth.particle_count, cloth.particle_triangles
         identity = np.asarray(welded_particles(cloth))
-        self.inverse_masses = floats(1.0 / cloth.masses if inverse_masses is None else inverse_masses)
+        self.set_inverse_masses(1.0 / cloth.masses if inverse_masses is None else inverse_masses)
         self._gap = np.maximum(largest_around(cloth, materials.thickness), LEAST_GAP)
         self._friction = largest_around(cloth, materials.friction_cloth)
+        self._stand: Stand | None = None
         self._margin = _MARGIN * cloth.spacing
         self._most = 2.0 * cloth.spacing  # m, up to which a faster motion widens the margin; beyond it a run is lost anyway
         self._points = elements(np.unique(triangles), identity)
@@ -51,6 +52,10 @@ class ContactCloth:
         """Find the first candidates."""
         self._find_pairs(state)
 
+    def set_inverse_masses(self, inverse_masses: np.ndarray) -> None:
+        """See `Contact.set_inverse_masses`."""
+        self.inverse_masses = floats(inverse_masses)
+
     def detect(self, state: State, reserve_m: float) -> bool:
         """See `Contact.detect`. Two parts come closer by at most twice the longest way."""
         if 2.0 * (farthest(state.positions, state.contact[f"{self.name}_pair_home"]) + reserve_m) <= float(state.contact[f"{self.name}_pair_margin"][0]):
@@ -60,7 +65,9 @@ class ContactCloth:
 
     def respond(self, state: State, time_step_s: float) -> None:
         """See `Contact.respond`. `state.run["unresolved_contacts"]` counts the pairs that the fail-safe could not stop."""
-        work, unresolved = keep_apart(load_pairs(state, self.name), state.positions, state.velocities, self.inverse_masses, time_step_s)
+        pairs = load_pairs(state, self.name)
+        self._stand = room_for(pairs, self._stand)
+        work, unresolved = keep_apart(pairs, self._stand, state.positions, state.velocities, self.inverse_masses, time_step_s)
         state.work_j["friction"] += work
         if unresolved:
             state.run["unresolved_contacts"] = state.run.get("unresolved_contacts", 0.0) + unresolved

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Protocol
 
+import numpy as np
+
 from garmentcad.cloth.state import State
 
 
@@ -15,6 +17,9 @@ class Contact(Protocol):
     def start(self, state: State) -> None:
         """Allocate the detection clock and the candidate lists in `state.contact`, under keys that begin with the name. Everything that a later
         step reads lies there, so that a copied or reloaded State goes on with the same bits."""
+
+    def set_inverse_masses(self, inverse_masses: np.ndarray) -> None:
+        """Inertia (P,) 1/kg that shares impulses between particles from now on; 0 for a particle that contact must not move."""
 
     def detect(self, state: State, reserve_m: float) -> bool:
         """Look for candidates again where the way travelled since the last look plus `reserve_m` exceeds what that look covers.

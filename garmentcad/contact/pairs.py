@@ -92,6 +92,12 @@ def farthest(positions, home):  # type: ignore[no-untyped-def]
 
 
 @kernel
+def _row4(array, index):  # type: ignore[no-untyped-def]
+    """Row `index` of an (N,4) array as a tuple."""
+    return array[index, 0], array[index, 1], array[index, 2], array[index, 3]
+
+
+@kernel
 def _four(points, nodes):  # type: ignore[no-untyped-def]
     return row(points, nodes[0]), row(points, nodes[1]), row(points, nodes[2]), row(points, nodes[3])
 
@@ -105,48 +111,42 @@ def _strayed(nodes, first, last, positions, home):  # type: ignore[no-untyped-de
 
 
 @kernel
-def _stand_of(n, pairs, positions, velocities, reserve, time_step, stand):  # type: ignore[no-untyped-def]
-    """Closest points, normal and distance of pair n; remembers its side; marks it if it may come below its gap."""
-    kind, nodes = pairs.kind[n], pairs.nodes[n]
-    split = 1 if kind == VERTEX_TRIANGLE else 2
-    bound = pairs.distance[n] - _strayed(nodes, 0, split, positions, pairs.home) - _strayed(nodes, split, 4, positions, pairs.home)
-    if bound - reserve > 1.1 * pairs.gap[n]:
-        stand.distance[n], stand.active[n] = bound, False
-        return
-    a, b, c, d = _four(positions, nodes)
-    weights, apart, inside = closest_points(kind, a, b, c, d)
-    if kind == VERTEX_TRIANGLE:
-        facing = cross(minus(c, b), minus(d, b))
-        sharp = True
-    else:
-        e, f = minus(b, a), minus(d, c)
-        facing = cross(e, f)
-        sharp = dot(facing, facing) > _PARALLEL * _PARALLEL * dot(e, e) * dot(f, f)
-    facing = unit(facing)
-    distance = math.sqrt(dot(apart, apart))
-    height = dot(apart, facing)
-    if pairs.side[n] == 0.0 or not inside or not sharp or distance > 0.5 * pairs.gap[n]:
-        pairs.side[n] = 1.0 if height >= 0.0 else -1.0
-    side = pairs.side[n]
-    if (inside and sharp) or distance < 1e-9:
-        normal, distance = (side * facing[0], side * facing[1], side * facing[2]), side * height
-    else:
-        normal = (apart[0] / distance, apart[1] / distance, apart[2] / distance)
-    p, q, r, s = _four(velocities, nodes)
-    closing = dot(combined(weights, p, q, r, s), normal)
-    for corner in range(4):
-        stand.weights[n, corner] = weights[corner]
-    for axis in range(3):
-        stand.normal[n, axis] = normal[axis]
-    stand.distance[n] = distance
-    # A little earlier than at the gap: the impulses of a neighbour may bring it closer than its own velocity does.
-    stand.active[n] = distance + time_step * closing < 1.1 * pairs.gap[n]
-
-
-@kernel
 def _stand_range(first, last, pairs, positions, velocities, reserve, time_step, stand):  # type: ignore[no-untyped-def]
     for n in range(first, last):
-        _stand_of(n, pairs, positions, velocities, reserve, time_step, stand)
+        kind, nodes = pairs.kind[n], _row4(pairs.nodes, n)
+        split = 1 if kind == VERTEX_TRIANGLE else 2
+        bound = pairs.distance[n] - _strayed(nodes, 0, split, positions, pairs.home) - _strayed(nodes, split, 4, positions, pairs.home)
+        if bound - reserve > 1.1 * pairs.gap[n]:
+            stand.distance[n], stand.active[n] = bound, False
+            continue
+        a, b, c, d = _four(positions, nodes)
+        weights, apart, inside = closest_points(kind, a, b, c, d)
+        if kind == VERTEX_TRIANGLE:
+            facing = cross(minus(c, b), minus(d, b))
+            sharp = True
+        else:
+            e, f = minus(b, a), minus(d, c)
+            facing = cross(e, f)
+            sharp = dot(facing, facing) > _PARALLEL * _PARALLEL * dot(e, e) * dot(f, f)
+        facing = unit(facing)
+        distance = math.sqrt(dot(apart, apart))
+        height = dot(apart, facing)
+        if pairs.side[n] == 0.0 or not inside or not sharp or distance > 0.5 * pairs.gap[n]:
+            pairs.side[n] = 1.0 if height >= 0.0 else -1.0
+        side = pairs.side[n]
+        if (inside and sharp) or distance < 1e-9:
+            normal, distance = (side * facing[0], side * facing[1], side * facing[2]), side * height
+        else:
+            normal = (apart[0] / distance, apart[1] / distance, apart[2] / distance)
+        p, q, r, s = _four(velocities, nodes)
+        closing = dot(combined(weights, p, q, r, s), normal)
+        for corner in range(4):
+            stand.weights[n, corner] = weights[corner]
+        for axis in range(3):
+            stand.normal[n, axis] = normal[axis]
+        stand.distance[n] = distance
+        # A little earlier than at the gap: the impulses of a neighbour may bring it closer than its own velocity does.
+        stand.active[n] = distance + time_step * closing < 1.1 * pairs.gap[n]
 
 
 @parallel_kernel
@@ -175,7 +175,7 @@ def _solve(pairs, stand, chosen, inverse_masses, time_step, impulses, velocities
         largest = 0.0
         for c in range(len(chosen)):
             n = chosen[c]
-            nodes, weights = pairs.nodes[n], stand.weights[n]
+            nodes, weights = _row4(pairs.nodes, n), _row4(stand.weights, n)
             normal = row(stand.normal, n)
             give = 0.0
             for corner in range(4):
@@ -183,7 +183,7 @@ def _solve(pairs, stand, chosen, inverse_masses, time_step, impulses, velocities
             if give == 0.0:
                 continue
             p, q, r, s = _four(velocities, nodes)
-            speed = combined(row4(weights), p, q, r, s)
+            speed = combined(weights, p, q, r, s)
             room = stand.distance[n] - pairs.gap[n]
             wanted = -room / time_step if room > 0.0 else min(PUSH_SPEED, -room / max(PUSH_TIME, time_step))
             before = impulses[c, 0]
@@ -206,15 +206,9 @@ def _solve(pairs, stand, chosen, inverse_masses, time_step, impulses, velocities
             break
     work = 0.0
     for c in range(len(chosen)):
-        p, q, r, s = _four(velocities, pairs.nodes[chosen[c]])
-        work += dot((impulses[c, 1], impulses[c, 2], impulses[c, 3]), combined(row4(stand.weights[chosen[c]]), p, q, r, s))
+        p, q, r, s = _four(velocities, _row4(pairs.nodes, chosen[c]))
+        work += dot((impulses[c, 1], impulses[c, 2], impulses[c, 3]), combined(_row4(stand.weights, chosen[c]), p, q, r, s))
     return work
-
-
-@kernel
-def row4(weights):  # type: ignore[no-untyped-def]
-    """Four weights as a tuple."""
-    return weights[0], weights[1], weights[2], weights[3]
 
 
 @kernel
@@ -252,7 +246,7 @@ def _stop(pairs, stand, near, inverse_masses, positions, time_step, velocities):
         for n in near:
             if stand.distance[n] <= 0.0:
                 continue
-            nodes, kind = pairs.nodes[n], pairs.kind[n]
+            nodes, kind = _row4(pairs.nodes, n), pairs.kind[n]
             t = time_of_contact(kind, nodes, positions, velocities, time_step, _KEPT * min(stand.distance[n], pairs.gap[n]))
             if t > 1.0:
                 continue
@@ -294,24 +288,33 @@ def _stop(pairs, stand, near, inverse_masses, positions, time_step, velocities):
 @kernel
 def _measure(nodes, kind, positions, distance):  # type: ignore[no-untyped-def]
     for n in range(len(nodes)):
-        a, b, c, d = _four(positions, nodes[n])
+        a, b, c, d = _four(positions, _row4(nodes, n))
         _, apart, _ = closest_points(kind[n], a, b, c, d)
         distance[n] = math.sqrt(dot(apart, apart))
 
 
-def keep_apart(pairs: Pairs, positions: np.ndarray, velocities: np.ndarray, inverse_masses: np.ndarray, time_step: float) -> tuple[float, int]:
+def room_for(pairs: Pairs, stand: Stand | None) -> Stand:
+    """Room for where the pairs stand: the given one if it is large enough."""
+    count = len(pairs.nodes)
+    if stand is not None and len(stand.distance) >= count:
+        return stand
+    return Stand(np.empty((count, 4)), np.empty((count, 3)), np.empty(count), np.empty(count, dtype=np.bool_))
+
+
+def keep_apart(
+    pairs: Pairs, stand: Stand, positions: np.ndarray, velocities: np.ndarray, inverse_masses: np.ndarray, time_step: float
+) -> tuple[float, int]:
     """Correct velocities (P,3) in place so that the pairs keep their gaps over the step, or come back to them gently.
 
-    Returns the work of friction (J, negative) and the number of pairs that the fail-safe could not stop.
+    stand: room, see `room_for`. Returns the work of friction (J, negative) and the number of pairs that the fail-safe could not stop.
     """
     count = len(pairs.nodes)
     if count == 0:
         return 0.0, 0
-    stand = Stand(np.empty((count, 4)), np.empty((count, 3)), np.empty(count), np.empty(count, dtype=np.bool_))
     _take_stand(pairs, positions, velocities, 2.0 * longest(velocities) * time_step, time_step, stand)
-    chosen = np.flatnonzero(stand.active)
+    chosen = np.flatnonzero(stand.active[:count])
     work = _solve(pairs, stand, chosen, inverse_masses, time_step, np.zeros((len(chosen), 4)), velocities) if len(chosen) else 0.0
-    near = np.flatnonzero(stand.distance * (1.0 - _KEPT) < 2.0 * longest(velocities) * time_step)
+    near = np.flatnonzero(stand.distance[:count] * (1.0 - _KEPT) < 2.0 * longest(velocities) * time_step)
     return work, _stop(pairs, stand, near, inverse_masses, positions, time_step, velocities) if len(near) else 0
 
 

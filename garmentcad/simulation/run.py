@@ -27,7 +27,7 @@ from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
 from garmentcad.placement.place import place_vertices
 from garmentcad.simulation.checkpoint import load_state, save_state
-from garmentcad.simulation.course import CLOSING_DRAG, Course, Progress
+from garmentcad.simulation.course import CLOSING_DRAG, SOFTNESS, Course, Progress
 from garmentcad.simulation.job import Job
 from garmentcad.simulation.materials import lay_out
 from garmentcad.simulation.sewing import close_seams, weld_state
@@ -89,7 +89,7 @@ def run(job: Job, look: Callable[[Progress], None], checkpoint: Path | None = No
     with _stop_signal() as stopped:
         keep = _Keeper(job, checkpoint, look, stopped)
         if state is None or state.phase == "close":
-            dynamics, _ = _dynamics(job, flat, materials, sewing=True)
+            dynamics, *_ = _dynamics(job, flat, materials, sewing=True)
             if state is None:
                 state = _placed_state(job, flat)
                 dynamics.start(state)
@@ -106,13 +106,13 @@ def run(job: Job, look: Callable[[Progress], None], checkpoint: Path | None = No
             sewn = state.positions.copy()
             state.phase = "fall"
             state.run |= {"phase_from_s": state.time_s} | {f"gap_mm.{name}": gap for name, gap in gaps.items()}
-            dynamics, drag = _dynamics(job, welded, materials, sewing=False)
+            dynamics, drag, forces_at = _dynamics(job, welded, materials, sewing=False)
             dynamics.start(state)
         else:
             setup = time.perf_counter() - began
-            dynamics, drag = _dynamics(job, welded, materials, sewing=False)
+            dynamics, drag, forces_at = _dynamics(job, welded, materials, sewing=False)
         keep.state = state
-        course = Course(dynamics, drag, job.mode, job.max_time_s)
+        course = Course(dynamics, drag, forces_at, job.mode, job.max_time_s)
         warnings: list[str] = []
         try:
             status = course.run(state, keep)
@@ -124,15 +124,21 @@ def run(job: Job, look: Callable[[Progress], None], checkpoint: Path | None = No
     return Outcome(job, welded, materials, dynamics, state, status, gaps, redundant, wall, seconds, warnings, sewn)
 
 
-def _dynamics(job: Job, cloth: Cloth, materials: MaterialTable, sewing: bool) -> tuple[Dynamics, ForceDrag]:
-    """While sewing there is neither weight nor friction: seams slide to where they close."""
+def _dynamics(job: Job, cloth: Cloth, materials: MaterialTable, sewing: bool) -> tuple[Dynamics, ForceDrag, Callable[[float], ForceAssembly]]:
+    """The stepper, its drag, and its forces at a softness. While sewing there is neither weight nor friction: seams slide to where they close."""
     drag = ForceDrag(cloth.masses, CLOSING_DRAG)
-    weight = [] if sewing else [ForceGravity(cloth.masses)]
-    forces = ForceAssembly(internal_forces(cloth, materials), cloth.particle_count, [*weight, drag])
+    body_forces = [drag] if sewing else [ForceGravity(cloth.masses), drag]
+
+    def forces_at(softness: float) -> ForceAssembly:
+        softer = materials._replace(tension_force=materials.tension_force / softness, tension_slope=materials.tension_slope / softness)
+        return ForceAssembly(internal_forces(cloth, softer), cloth.particle_count, body_forces)
+
+    touch = materials
     if sewing:
-        materials = materials._replace(friction_body=0.0 * materials.friction_body, friction_cloth=0.0 * materials.friction_cloth)
-    contacts = [ContactCloth(cloth, materials), ContactBody(job.mannequin.vertices, job.mannequin.faces, cloth, materials)]
-    return Dynamics(cloth, forces, StrainLimit(cloth, materials), contacts), drag
+        touch = materials._replace(friction_body=0.0 * materials.friction_body, friction_cloth=0.0 * materials.friction_cloth)
+    contacts = [ContactCloth(cloth, touch), ContactBody(job.mannequin.vertices, job.mannequin.faces, cloth, touch)]
+    forces = forces_at(SOFTNESS if sewing and job.mode == "drape" else 1.0)
+    return Dynamics(cloth, forces, StrainLimit(cloth, materials), contacts), drag, forces_at
 
 
 def _placed_state(job: Job, cloth: Cloth) -> State:

@@ -21,7 +21,7 @@ from garmentcad.solve.integrate import advance_positions, advance_velocities, mo
 from garmentcad.solve.strain_limit import StrainLimit
 
 # Steps between two looks at the stiffness; tangents change slowly at this scale.
-STEPS_PER_ESTIMATE = 32
+STEPS_PER_ESTIMATE = 96
 # No particle of a garment moves faster on purpose; a faster one is a sign of a diverging run.
 RUNAWAY_M_S = 30.0
 

@@ -40,17 +40,20 @@ def patches(cloth: Cloth) -> np.ndarray:
 
 
 def residual(dynamics: Dynamics, state: State, patch: np.ndarray) -> Residual:
-    """Residual of `state`, which is left as it is."""
+    """Residual of `state`, which is left as it is. What contact does without any force (it pushes apart what stands below its gap) is no unrest."""
     trial = deepcopy(state)
     trial.velocities[:] = 0.0
+    pushed = deepcopy(trial)
     held, seconds = dynamics.inverse_masses, dict(dynamics.seconds)
     dynamics.set_inverse_masses(dynamics.true_inverse_masses)
     dt = state.time_step_s
     dynamics.correct_velocities(trial, dt)
+    for contact in dynamics.contacts:
+        contact.respond(pushed, dt)
     dynamics.set_inverse_masses(held)
     dynamics.seconds = seconds
     masses = np.where(dynamics.fixed, 0.0, dynamics.cloth.masses)
-    acceleration = trial.velocities / (dt * GRAVITY_M_S2)
+    acceleration = (trial.velocities - pushed.velocities) / (dt * GRAVITY_M_S2)
     rms = float(np.sqrt((masses[:, None] * acceleration**2).sum() / masses.sum()))
     count = int(patch.max()) + 1
     weight = np.bincount(patch, masses, count)

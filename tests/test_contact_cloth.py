@@ -1,0 +1,253 @@
+"""Cloth on itself, judged by ipctk; continuous tests without false negatives; the same bits on any number of threads."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from copy import deepcopy
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+from loose_sheet import Sheet, correct, crosses, fabric, reserve
+
+from garmentcad.arrays import indices
+from garmentcad.contact.cloth import ContactCloth
+from garmentcad.contact.pairs import EDGE_EDGE, VERTEX_TRIANGLE, load_pairs, time_of_contact
+
+DT = 1.5e-4
+GAP = 1e-3
+
+
+def folded(sheet: Sheet, radius: float = 0.004) -> np.ndarray:
+    """The sheet folded over a line that is not along the lattice, the upper half above the lower one and falling."""
+    turn = np.radians(17)
+    along = sheet.positions @ [np.cos(turn), 0, np.sin(turn)]
+    across = sheet.positions @ [-np.sin(turn), 0, np.cos(turn)]
+    arc = np.clip(along, 0, np.pi * radius)
+    x = np.where(along < 0, along, radius * np.sin(arc / radius))
+    x = np.where(along > np.pi * radius, np.pi * radius - along, x)
+    y = radius * (1 - np.cos(arc / radius))
+    return np.stack([x, y, across], axis=1)
+
+
+def fold_and_fall(steps: int) -> tuple[Sheet, ContactCloth, list]:
+    sheet = Sheet(14)
+    contact = ContactCloth(sheet.cloth, fabric())
+    state = sheet.state(folded(sheet))
+    held = state.positions[:, 1] < 1e-9  # the lower half lies on a table
+    contact.inverse_masses[held] = 0.0
+    contact.start(state)
+    states = []
+    for step in range(steps):
+        sheet.pull(state, DT)
+        state.velocities[held] = 0.0
+        correct(state, DT, [contact])
+        state.positions += DT * state.velocities
+        if step % 100 == 99:
+            states.append(deepcopy(state))
+    return sheet, contact, states
+
+
+def test_folded_sheet_falls_on_itself() -> None:
+    sheet, contact, states = fold_and_fall(800)
+    triangles = sheet.cloth.particle_triangles
+    upper = folded(sheet)[:, 1] > 0.0079
+    for state in states:
+        assert not crosses(state.positions, triangles)
+        assert state.run.get("unresolved_contacts", 0) == 0
+    heights = states[-1].positions[upper, 1]
+    last = deepcopy(states[-1])
+    contact.start(last)
+    pairs = load_pairs(last, "cloth")
+    assert (pairs.distance < 1.02 * pairs.gap).sum() > 50
+    assert pairs.distance.min() > 0.95 * GAP
+    assert np.median(heights) < 2.5 * GAP  # it did come down, and lies on the gap
+    assert states[-1].work_j["friction"] <= 0.0
+
+
+def test_a_copied_state_goes_on_with_the_same_bits() -> None:
+    sheet, contact, states = fold_and_fall(200)
+    other = ContactCloth(sheet.cloth, fabric(), contact.inverse_masses)
+    one, two = states[0], deepcopy(states[0])
+    for _ in range(100):
+        for state, judge in ((one, contact), (two, other)):
+            sheet.pull(state, DT)
+            state.velocities[contact.inverse_masses == 0.0] = 0.0
+            correct(state, DT, [judge])
+            state.positions += DT * state.velocities
+    assert one.sha256() == two.sha256() == states[1].sha256()
+
+
+def test_detection_by_travel_finds_the_pairs_of_detection_at_every_step() -> None:
+    sheet, contact, states = fold_and_fall(300)
+    state, fresh = states[-1], ContactCloth(sheet.cloth, fabric(), contact.inverse_masses)
+    looks, active = 0, 0
+    for _ in range(150):
+        sheet.pull(state, DT)
+        state.velocities[contact.inverse_masses == 0.0] = 0.0
+        looks += contact.detect(state, reserve(state, DT))
+        always = deepcopy(state)
+        always.contact.clear()
+        fresh.start(always)
+        listed = {tuple(nodes) for nodes in load_pairs(state, "cloth").nodes.tolist()}
+        now = load_pairs(always, "cloth")
+        close = {tuple(nodes) for nodes in now.nodes[now.distance < now.gap + 2 * reserve(state, DT)].tolist()}
+        assert close <= listed
+        active += len(close)
+        fresh.respond(always, DT)
+        contact.respond(state, DT)
+        np.testing.assert_allclose(state.velocities, always.velocities, atol=1e-9)
+        state.positions += DT * state.velocities
+    assert active > 1000
+    assert looks < 50
+
+
+@pytest.mark.parametrize("speed", [0.5, 3.0, 12.0])
+def test_sheets_thrown_at_each_other_never_pass(speed: float) -> None:
+    """Up to 4 gaps of way in one step; momentum stays."""
+    sheet = Sheet(6, panels=2)
+    half = 49
+    positions = np.tile(sheet.positions[:half], (2, 1))
+    turn = np.radians(23)
+    positions[half:] = positions[half:] @ np.array([[np.cos(turn), 0, np.sin(turn)], [0, 1, 0], [-np.sin(turn), 0, np.cos(turn)]]) + [0.004, 0.0061, 0.003]
+    velocities = np.zeros_like(positions)
+    velocities[half:] = [0.2 * speed, -speed, 0.1 * speed]
+    contact = ContactCloth(sheet.cloth, fabric())
+    state = sheet.state(positions, velocities)
+    contact.start(state)
+    momentum = sheet.cloth.masses @ state.velocities
+    dt = GAP / 3
+    for _ in range(40):
+        correct(state, dt, [contact])
+        state.positions += dt * state.velocities
+        assert not crosses(state.positions, sheet.cloth.particle_triangles)
+    np.testing.assert_allclose(sheet.cloth.masses @ state.velocities, momentum, atol=1e-12 + 1e-10 * np.abs(momentum).max())
+    assert state.run.get("unresolved_contacts", 0) == 0
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_fail_safe_stops_what_impulses_miss(seed: int) -> None:
+    """Every particle flies its own way, several gaps in one step: normals of the start say little about the step."""
+    rng = np.random.default_rng(seed)
+    sheet = Sheet(6, panels=2)
+    positions = np.concatenate([sheet.positions[:49], sheet.at(0.003, 0.003, 0.002)[:49]]) + rng.normal(0, 3e-4, (98, 3))
+    contact = ContactCloth(sheet.cloth, fabric())
+    state = sheet.state(positions, rng.normal(0, 6.0, (98, 3)))
+    contact.start(state)
+    momentum = sheet.cloth.masses @ state.velocities
+    dt = GAP / 3
+    assert crosses(positions + dt * state.velocities, sheet.cloth.particle_triangles)
+    correct(state, dt, [contact])
+    assert not crosses(positions + dt * state.velocities, sheet.cloth.particle_triangles)
+    np.testing.assert_allclose(sheet.cloth.masses @ state.velocities, momentum, atol=1e-10 * np.abs(sheet.cloth.masses).sum() * 6)
+
+
+def test_impulse_stops_at_the_gap_and_is_inelastic() -> None:
+    """One particle over the middle of a fixed triangle: it arrives at the gap and stays there."""
+    sheet = Sheet(1, panels=2)
+    positions = np.array([[0, 0, 0], [0.01, 0, 0], [0, 0, -0.01], [0.01, 0, -0.01], [0.004, 0.003, -0.003], [5, 5, 0], [0, 5, 0], [5, 5, 5]], dtype=float)
+    inverse = np.array([0, 0, 0, 0, 1.0, 0, 0, 0]) / sheet.cloth.masses
+    contact = ContactCloth(sheet.cloth, fabric(friction=0.0), inverse)
+    state = sheet.state(positions, np.eye(8)[:, 4:5] * [0.0, -1.0, 0.0])
+    contact.start(state)
+    for _ in range(60):
+        correct(state, 1e-4, [contact])
+        state.positions += 1e-4 * state.velocities
+    assert state.positions[4, 1] == pytest.approx(GAP, abs=1e-9)
+    assert abs(state.velocities[4, 1]) < 1e-9
+
+
+def test_neighbours_along_the_cloth_are_no_contact() -> None:
+    """Two panels stitched along a side and closed, with a seam of elements much shorter than the gap: at rest nothing may push."""
+    sheet = Sheet(6, panels=2)
+    cloth, rows = sheet.cloth, 7
+    grid = np.arange(2 * 49).reshape(2, rows, 7)
+    stitches = np.stack([grid[0, :, -1], grid[1, :, 0]], axis=1)
+    uv = cloth.vertex_uv_mm.copy()
+    uv[grid[0, :, -2].ravel(), 0] = uv[grid[0, :, -1].ravel(), 0] - 0.4  # a column 0.4 mm from the seam
+    uv[grid[1, 2, :].ravel(), 1] = uv[grid[1, 1, :].ravel(), 1] + 0.3  # and a row 0.3 mm from its neighbour
+    uv[grid[0, 2, :].ravel(), 1] = uv[grid[0, 1, :].ravel(), 1] + 0.3
+    cloth = replace(cloth, vertex_uv_mm=uv, stitches=indices(stitches), stitch_seam=np.zeros(len(stitches), dtype=np.int32))
+    positions = np.zeros((98, 3))
+    positions[:, :2] = uv / 1000
+    positions[49:, 0] += 0.06
+    contact = ContactCloth(cloth, fabric())
+    state = sheet.state(positions)
+    contact.start(state)
+    correct(state, 1e-4, [contact])
+    assert np.abs(state.velocities).max() == 0.0
+    # The rule is about the cloth, not about space: the same panels laid on each other do push.
+    positions[49:, 0] -= 0.06
+    positions[49:, 2] += 0.5e-3
+    state = sheet.state(positions)
+    contact.start(state)
+    correct(state, 1e-4, [contact])
+    assert np.abs(state.velocities[grid[0, 3:, 2:4]]).max() > 0.01
+
+
+def known_contacts(rng: np.random.Generator, kind: int) -> tuple[np.ndarray, np.ndarray, float]:
+    """Four nodes at the start of a unit step, their velocities, and the time, exact in binary, at which the elements meet."""
+    time = Fraction(int(rng.integers(1, 64)), 64)
+    if kind == VERTEX_TRIANGLE:
+        weights = [Fraction(int(k), 16) for k in rng.multinomial(16, [1 / 3] * 3)]
+        at = [[Fraction(int(k), 8) for k in rng.integers(-8, 9, 3)] for _ in range(3)]
+        meeting = [[sum((w * corner[axis] for w, corner in zip(weights, at)), Fraction()) for axis in range(3)], *at]
+    else:
+        a, b, direction = ([Fraction(int(k), 8) for k in rng.integers(-8, 9, 3)] for _ in range(3))
+        s, t = (Fraction(int(k), 16) for k in rng.integers(0, 17, 2))
+        c = [x + s * (y - x) - t * d for x, y, d in zip(a, b, direction)]
+        meeting = [a, b, c, [x + d for x, d in zip(c, direction)]]
+    speeds = [[Fraction(int(k), 4) for k in rng.integers(-8, 9, 3)] for _ in range(4)]
+    start = np.array([[float(x - time * v) for x, v in zip(node, speed)] for node, speed in zip(meeting, speeds)])
+    return start, np.array([[float(v) for v in speed] for speed in speeds]), float(time)
+
+
+@pytest.mark.parametrize("kind", [VERTEX_TRIANGLE, EDGE_EDGE])
+def test_continuous_test_has_no_false_negative(kind: int) -> None:
+    """Known rational contact times, degenerate triangles and parallel edges included by the coarse grid."""
+    rng = np.random.default_rng(kind)
+    nodes = (0, 1, 2, 3)
+    for _ in range(1000):
+        start, velocities, time = known_contacts(rng, kind)
+        assert time_of_contact(kind, nodes, start, velocities, 1.0, 1e-3) <= time
+    away = np.array([[0.2, 1.0, 0.2], [0, 0, 0], [1, 0, 0], [0, 0, 1.0]])
+    still = np.zeros((4, 3))
+    assert time_of_contact(VERTEX_TRIANGLE, nodes, away, still, 1.0, 1e-3) == 2.0
+    falling = np.eye(4)[:, :1] * [0.0, -0.9, 0.0]
+    assert time_of_contact(VERTEX_TRIANGLE, nodes, away, falling, 1.0, 1e-3) == 2.0
+    assert time_of_contact(VERTEX_TRIANGLE, nodes, away, 2 * falling, 1.0, 1e-3) == pytest.approx(0.999 / 1.8, abs=1e-4)
+
+
+SCRIPT = """
+import numpy as np, trimesh
+from loose_sheet import Sheet, fabric
+from test_contact_cloth import fold_and_fall
+from garmentcad.contact.body import ContactBody
+from garmentcad.contact.cloth import ContactCloth
+ball = trimesh.creation.icosphere(subdivisions=3, radius=0.03)
+sheet = Sheet(14)
+contacts = [ContactCloth(sheet.cloth, fabric()), ContactBody(ball.vertices, ball.faces, sheet.cloth, fabric())]
+state = sheet.state(sheet.at(0.002, 0.034, 0.001))
+for contact in contacts:
+    contact.start(state)
+for _ in range(500):
+    sheet.step(state, 1.5e-4, contacts)
+fallen = fold_and_fall(400)[2][-1]
+for end in (state, fallen):
+    print(end.sha256(), end.work_j["friction"].hex())
+print(len(fallen.contact["cloth_pair_nodes"]))
+"""
+
+
+def test_same_bits_on_one_two_and_four_threads() -> None:
+    here = Path(__file__).resolve().parent
+    printed = set()
+    for threads in (1, 2, 4):
+        environment = os.environ | {"NUMBA_NUM_THREADS": str(threads), "PYTHONPATH": os.pathsep.join([str(here), str(here.parent)])}
+        printed.add(subprocess.run([sys.executable, "-c", SCRIPT], env=environment, capture_output=True, text=True, check=True).stdout)
+    assert len(printed) == 1
+    assert int(printed.pop().split()[-1]) > 100
