@@ -14,16 +14,13 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-# Threads that spin while they wait block each other on a busy machine: 8 ms instead of 5 us for one parallel kernel. Read when the first one starts.
-os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+# Between the dozen parallel kernels of a step a waiting thread spins for a moment. One that sleeps at once costs about 100 us a kernel to wake on an idle
+# machine; one that spins for long costs milliseconds on a busy one. Read when the first parallel kernel starts.
+os.environ.setdefault("GOMP_SPINCOUNT", "10000")
 
 import numpy as np
 from numba import njit
 from numba.core import caching
-
-# A step calls a dozen parallel kernels with little between them. Waiting threads that go to sleep cost about 100 us a call to wake, spinning ones 4 us
-# (measured); libgomp reads this when it is loaded, which is when the first parallel kernel runs.
-os.environ.setdefault("GOMP_SPINCOUNT", "100000")
 
 _PACKAGE = Path(__file__).resolve().parent
 _IMPORT = re.compile(r"^\s*from\s+(garmentcad[\w.]*)\s+import\s+\(?([^()\n#]*(?:\([^)]*\))?)|^\s*import\s+(garmentcad[\w.]*)", re.MULTILINE)
@@ -112,6 +109,18 @@ def kernel(function: Any) -> Any:
 def parallel_kernel(function: Any) -> Any:
     """Compile a kernel with `prange`. Gather only: each iteration writes its own outputs; no reductions."""
     return njit(parallel=True, **_OPTIONS)(function)
+
+
+# Work is dealt out in this many parts whatever the number of threads. A part is a call of its own: inside a compiled prange body, arrays of a named
+# tuple cost 40 ns at each turn, and direct writes to them are lost (seen with numba 0.68). Rows are read as tuples: a view of an array counts its
+# references, and two threads that count on the same line are no faster than one.
+CHUNKS = 64
+
+
+@kernel
+def chunk_range(chunk, count):  # type: ignore[no-untyped-def]
+    """First and last + 1 of the items 0..count-1 in a part."""
+    return chunk * count // CHUNKS, (chunk + 1) * count // CHUNKS
 
 
 def floats(values: Any) -> np.ndarray:

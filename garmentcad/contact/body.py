@@ -8,10 +8,10 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
-from garmentcad.arrays import floats, kernel, parallel_kernel
+from garmentcad.arrays import CHUNKS, chunk_range, floats, kernel, parallel_kernel
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.state import State
-from garmentcad.contact.bvh import CHUNKS, EDGE_EDGE, TRIANGLE_POINT, box_distance2, chunk_range, fitted_tree, near_pairs, node_after
+from garmentcad.contact.bvh import EDGE_EDGE, TRIANGLE_POINT, box_distance2, fitted_tree, near_pairs, node_after
 from garmentcad.contact.elements import LEAST_GAP, elements, largest_around, unique_edges
 from garmentcad.contact.pairs import PUSH_SPEED, PUSH_TIME, Stand, candidates, farthest, keep_apart, load_pairs, room_for, store_pairs
 from garmentcad.contact.surface import build_surface, convex_curvature

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
-from garmentcad.arrays import floats, indices, kernel, parallel_kernel
+from garmentcad.arrays import CHUNKS, chunk_range, floats, indices, kernel, parallel_kernel
 from garmentcad.geometry.closest import point_triangle, row, segment_segment
 
 _LEAF = 4  # elements in a leaf, at most
@@ -97,18 +97,6 @@ def box_distance2(boxes, node, p):  # type: ignore[no-untyped-def]
     y = max(boxes[node, 1] - p[1], p[1] - boxes[node, 4], 0.0)
     z = max(boxes[node, 2] - p[2], p[2] - boxes[node, 5], 0.0)
     return x * x + y * y + z * z
-
-
-# Work is dealt out in this many parts whatever the number of threads. A part is a call of its own: inside a compiled prange body, arrays of a named
-# tuple cost 40 ns at each turn, and direct writes to them are lost (seen with numba 0.68). Rows are read as tuples: a view of an array counts its
-# references, and two threads that count on the same line are no faster than one.
-CHUNKS = 64
-
-
-@kernel
-def chunk_range(chunk, count):  # type: ignore[no-untyped-def]
-    """First and last + 1 of the items 0..count-1 in a part."""
-    return chunk * count // CHUNKS, (chunk + 1) * count // CHUNKS
 
 
 @kernel

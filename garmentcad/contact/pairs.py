@@ -14,9 +14,8 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
-from garmentcad.arrays import indices, kernel, parallel_kernel
+from garmentcad.arrays import CHUNKS, chunk_range, indices, kernel, parallel_kernel
 from garmentcad.cloth.state import State
-from garmentcad.contact.bvh import CHUNKS, chunk_range
 from garmentcad.geometry.closest import FACE, along, cross, distance_between, dot, minus, point_triangle, row, segment_segment, unit
 
 VERTEX_TRIANGLE, EDGE_EDGE = 0, 1

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
-from garmentcad.arrays import indices, parallel_kernel
+from garmentcad.arrays import CHUNKS, chunk_range, indices, kernel, parallel_kernel
 from garmentcad.cloth.cloth import BendLines, Cloth
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.angle import angle_over_sine
@@ -33,11 +33,10 @@ class BendElements(NamedTuple):
     stiffness: np.ndarray  # (B,) B w/l, N.m
 
 
-@parallel_kernel
-def write_bend(lines, positions, out):  # type: ignore[no-untyped-def]
-    """Forces on centre, arm a (two), arm b (two) of line i into out[5 i] to out[5 i + 4]; the second particle of an arm only where it has weight."""
+@kernel
+def _bend_of(items, lines, positions, out):  # type: ignore[no-untyped-def]
     x = positions
-    for i in prange(len(lines.stiffness)):
+    for i in range(items[0], items[1]):
         o, a, b = lines.points[i, 0], lines.points[i, 1], lines.points[i, 3]
         weight_a, weight_b = lines.weights[i, 0], lines.weights[i, 1]
         ax, ay, az = x[o, 0] - x[a, 0], x[o, 1] - x[a, 1], x[o, 2] - x[a, 2]
@@ -72,6 +71,13 @@ def write_bend(lines, positions, out):  # type: ignore[no-untyped-def]
         weight_a, weight_b = 1.0 - weight_a, 1.0 - weight_b
         out[k + 1, 0], out[k + 1, 1], out[k + 1, 2] = weight_a * ax, weight_a * ay, weight_a * az
         out[k + 3, 0], out[k + 3, 1], out[k + 3, 2] = -weight_b * bx, -weight_b * by, -weight_b * bz
+
+
+@parallel_kernel
+def write_bend(lines, positions, out):  # type: ignore[no-untyped-def]
+    """Forces on centre, arm a (two), arm b (two) of line i into out[5 i] to out[5 i + 4]; the second particle of an arm only where it has weight."""
+    for chunk in prange(CHUNKS):
+        _bend_of(chunk_range(chunk, len(lines.stiffness)), lines, positions, out)
 
 
 class ForceBend:

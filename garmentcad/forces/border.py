@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
-from garmentcad.arrays import indices, parallel_kernel
+from garmentcad.arrays import CHUNKS, chunk_range, indices, kernel, parallel_kernel
 from garmentcad.cloth.cloth import WARP, WEFT, Cloth
 from garmentcad.fabric.law_shear import shear
 from garmentcad.fabric.law_tension import tension
@@ -39,15 +39,10 @@ class BorderElements(NamedTuple):
     patch_curve: np.ndarray  # (K,2) int32 rows of the tension curves, warp and weft
 
 
-@parallel_kernel
-def write_border(border, curves, damping_time, positions, velocities, strains, stresses, out):  # type: ignore[no-untyped-def]
-    """Forces on the corners of triangle i into out[3 i] to out[3 i + 2]. Three passes: triangle strains, patch stresses, triangle forces.
-
-    strains (T,4): warp and weft strain of each triangle, then their rates; stresses (K,2): warp and weft of each patch. Both are scratch, and arguments of
-    their own because numba drops writes into the arrays of a NamedTuple from a parallel kernel.
-    """
+@kernel
+def _strains_of(items, border, positions, velocities, strains):  # type: ignore[no-untyped-def]
     x, v = positions, velocities
-    for i in prange(len(border.area)):
+    for i in range(items[0], items[1]):
         for axis in range(2):
             gradient = border.warp_gradient if axis == 0 else border.weft_gradient
             ux = uy = uz = rx = ry = rz = 0.0
@@ -58,7 +53,11 @@ def write_border(border, curves, damping_time, positions, velocities, strains, s
             length = math.sqrt(ux * ux + uy * uy + uz * uz)
             strains[i, axis] = length - 1.0
             strains[i, 2 + axis] = (ux * rx + uy * ry + uz * rz) / length if length > 0.0 else 0.0
-    for p in prange(len(border.patch_area)):
+
+
+@kernel
+def _stresses_of(items, border, curves, damping_time, strains, stresses):  # type: ignore[no-untyped-def]
+    for p in range(items[0], items[1]):
         for axis in range(2):
             strain = rate = 0.0
             for j in range(border.patch_start[p], border.patch_start[p + 1]):
@@ -68,7 +67,12 @@ def write_border(border, curves, damping_time, positions, velocities, strains, s
             r = border.patch_curve[p, axis]
             force = tension(strain / border.patch_area[p], curves.em[r], curves.fm[r], curves.exponent[r], curves.slope[r])[0]
             stresses[p, axis] = force + damping_time * curves.slope[r] * rate / border.patch_area[p]
-    for i in prange(len(border.area)):
+
+
+@kernel
+def _border_of(items, border, damping_time, positions, velocities, stresses, out):  # type: ignore[no-untyped-def]
+    x, v = positions, velocities
+    for i in range(items[0], items[1]):
         ux = uy = uz = wx = wy = wz = 0.0
         for k in range(3):
             g, h, c = border.warp_gradient[i, k], border.weft_gradient[i, k], border.corners[i, k]
@@ -92,6 +96,36 @@ def write_border(border, curves, damping_time, positions, velocities, strains, s
         for k in range(3):
             g, h = -border.area[i] * border.warp_gradient[i, k], -border.area[i] * border.weft_gradient[i, k]
             out[3 * i + k, 0], out[3 * i + k, 1], out[3 * i + k, 2] = g * ux + h * wx, g * uy + h * wy, g * uz + h * wz
+
+
+@parallel_kernel
+def _write_strains(border, positions, velocities, strains):  # type: ignore[no-untyped-def]
+    for chunk in prange(CHUNKS):
+        _strains_of(chunk_range(chunk, len(border.area)), border, positions, velocities, strains)
+
+
+@parallel_kernel
+def _write_stresses(border, curves, damping_time, strains, stresses):  # type: ignore[no-untyped-def]
+    for chunk in prange(CHUNKS):
+        _stresses_of(chunk_range(chunk, len(border.patch_area)), border, curves, damping_time, strains, stresses)
+
+
+@parallel_kernel
+def _write_corners(border, damping_time, positions, velocities, stresses, out):  # type: ignore[no-untyped-def]
+    for chunk in prange(CHUNKS):
+        _border_of(chunk_range(chunk, len(border.area)), border, damping_time, positions, velocities, stresses, out)
+
+
+@kernel
+def write_border(border, curves, damping_time, positions, velocities, strains, stresses, out):  # type: ignore[no-untyped-def]
+    """Forces on the corners of triangle i into out[3 i] to out[3 i + 2]. Three passes: triangle strains, patch stresses, triangle forces.
+
+    strains (T,4): warp and weft strain of each triangle, then their rates; stresses (K,2): warp and weft of each patch. Both are scratch, and arguments of
+    their own because numba drops writes into the arrays of a NamedTuple from a parallel kernel.
+    """
+    _write_strains(border, positions, velocities, strains)
+    _write_stresses(border, curves, damping_time, strains, stresses)
+    _write_corners(border, damping_time, positions, velocities, stresses, out)
 
 
 class ForceBorder:

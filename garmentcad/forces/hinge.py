@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
-from garmentcad.arrays import indices, parallel_kernel
+from garmentcad.arrays import CHUNKS, chunk_range, indices, kernel, parallel_kernel
 from garmentcad.cloth.cloth import WARP, WEFT, Cloth
 from garmentcad.fabric.material import MaterialTable
 
@@ -29,11 +29,10 @@ class HingeElements(NamedTuple):
     rest_angle: np.ndarray  # (H,) rad
 
 
-@parallel_kernel
-def write_hinge(hinges, positions, out):  # type: ignore[no-untyped-def]
-    """Forces on edge start, edge end, wing a, wing b of hinge i into out[4 i] to out[4 i + 3]."""
+@kernel
+def _hinge_of(items, hinges, positions, out):  # type: ignore[no-untyped-def]
     x = positions
-    for i in prange(len(hinges.stiffness)):
+    for i in range(items[0], items[1]):
         s, e, a, b = hinges.corners[i, 0], hinges.corners[i, 1], hinges.corners[i, 2], hinges.corners[i, 3]
         ex, ey, ez = x[e, 0] - x[s, 0], x[e, 1] - x[s, 1], x[e, 2] - x[s, 2]
         ax, ay, az = x[a, 0] - x[s, 0], x[a, 1] - x[s, 1], x[a, 2] - x[s, 2]
@@ -61,6 +60,13 @@ def write_hinge(hinges, positions, out):  # type: ignore[no-untyped-def]
         out[k, 0], out[k, 1], out[k, 2] = length * mx, length * my, length * mz
         k += 1
         out[k, 0], out[k, 1], out[k, 2] = length * nx, length * ny, length * nz
+
+
+@parallel_kernel
+def write_hinge(hinges, positions, out):  # type: ignore[no-untyped-def]
+    """Forces on edge start, edge end, wing a, wing b of hinge i into out[4 i] to out[4 i + 3]."""
+    for chunk in prange(CHUNKS):
+        _hinge_of(chunk_range(chunk, len(hinges.stiffness)), hinges, positions, out)
 
 
 class ForceHinge:

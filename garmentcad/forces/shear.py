@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
-from garmentcad.arrays import indices, kernel, parallel_kernel
+from garmentcad.arrays import CHUNKS, chunk_range, indices, kernel, parallel_kernel
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.fabric.law_shear import shear
 from garmentcad.fabric.material import MaterialTable
@@ -50,11 +50,10 @@ def shear_angle(ux, uy, uz, wx, wy, wz):  # type: ignore[no-untyped-def]
     )  # fmt: skip
 
 
-@parallel_kernel
-def write_shear(cells, damping_time, positions, velocities, out):  # type: ignore[no-untyped-def]
-    """Forces on the corners 00, 10, 11, 01 of cell i into out[4 i] to out[4 i + 3]."""
+@kernel
+def _shear_of(items, cells, damping_time, positions, velocities, out):  # type: ignore[no-untyped-def]
     x, v = positions, velocities
-    for i in prange(len(cells.area)):
+    for i in range(items[0], items[1]):
         a, b, c, d = cells.corners[i, 0], cells.corners[i, 1], cells.corners[i, 2], cells.corners[i, 3]
         half = 0.5 / cells.spacing[i]
         # diagonals p = x11 - x00, q = x01 - x10: u = half (p + q), w = half (p - q)
@@ -75,6 +74,13 @@ def write_shear(cells, damping_time, positions, velocities, out):  # type: ignor
         out[k + 1, 0], out[k + 1, 1], out[k + 1, 2] = scale * gqx, scale * gqy, scale * gqz
         out[k + 2, 0], out[k + 2, 1], out[k + 2, 2] = -scale * gpx, -scale * gpy, -scale * gpz
         out[k + 3, 0], out[k + 3, 1], out[k + 3, 2] = -scale * gqx, -scale * gqy, -scale * gqz
+
+
+@parallel_kernel
+def write_shear(cells, damping_time, positions, velocities, out):  # type: ignore[no-untyped-def]
+    """Forces on the corners 00, 10, 11, 01 of cell i into out[4 i] to out[4 i + 3]."""
+    for chunk in prange(CHUNKS):
+        _shear_of(chunk_range(chunk, len(cells.area)), cells, damping_time, positions, velocities, out)
 
 
 class ForceShear:

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
-from garmentcad.arrays import indices, parallel_kernel
+from garmentcad.arrays import CHUNKS, chunk_range, indices, kernel, parallel_kernel
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.fabric.law_tension import tension
 from garmentcad.fabric.material import MaterialTable
@@ -31,10 +31,9 @@ class StretchElements(NamedTuple):
     curve: np.ndarray  # (L,) int32 row of the tension curves
 
 
-@parallel_kernel
-def write_stretch(links, curves, damping_time, positions, velocities, out):  # type: ignore[no-untyped-def]
-    """Force on end a into out[2 i], on end b into out[2 i + 1]."""
-    for i in prange(len(links.curve)):
+@kernel
+def _stretch_of(items, links, curves, damping_time, positions, velocities, out):  # type: ignore[no-untyped-def]
+    for i in range(items[0], items[1]):
         a, b = links.ends[i, 0], links.ends[i, 1]
         dx = positions[b, 0] - positions[a, 0]
         dy = positions[b, 1] - positions[a, 1]
@@ -51,6 +50,13 @@ def write_stretch(links, curves, damping_time, positions, velocities, out):  # t
             scale = links.width[i] * inverse * (force + damping_time * slope * stretch * inverse * inverse_rest)
         out[2 * i, 0], out[2 * i, 1], out[2 * i, 2] = scale * dx, scale * dy, scale * dz
         out[2 * i + 1, 0], out[2 * i + 1, 1], out[2 * i + 1, 2] = -scale * dx, -scale * dy, -scale * dz
+
+
+@parallel_kernel
+def write_stretch(links, curves, damping_time, positions, velocities, out):  # type: ignore[no-untyped-def]
+    """Force on end a into out[2 i], on end b into out[2 i + 1]."""
+    for chunk in prange(CHUNKS):
+        _stretch_of(chunk_range(chunk, len(links.curve)), links, curves, damping_time, positions, velocities, out)
 
 
 class ForceStretch:

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
-from garmentcad.arrays import indices, parallel_kernel
+from garmentcad.arrays import CHUNKS, chunk_range, indices, kernel, parallel_kernel
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.fabric.material import MaterialTable
 
@@ -29,11 +29,10 @@ class TwistElements(NamedTuple):
     stiffness: np.ndarray  # (C,) 4 D66 A, N.m3
 
 
-@parallel_kernel
-def write_twist(cells, positions, out):  # type: ignore[no-untyped-def]
-    """Forces on the corners 00, 10, 11, 01 of cell i into out[4 i] to out[4 i + 3]."""
+@kernel
+def _twist_of(items, cells, positions, out):  # type: ignore[no-untyped-def]
     x = positions
-    for i in prange(len(cells.stiffness)):
+    for i in range(items[0], items[1]):
         a, b, c, d = cells.corners[i, 0], cells.corners[i, 1], cells.corners[i, 2], cells.corners[i, 3]
         # diagonals p, q and their crossing, whose projection on the normal is the twist
         px, py, pz = x[c, 0] - x[a, 0], x[c, 1] - x[a, 1], x[c, 2] - x[a, 2]
@@ -56,6 +55,13 @@ def write_twist(cells, positions, out):  # type: ignore[no-untyped-def]
         out[k + 1, 0], out[k + 1, 1], out[k + 1, 2] = -nx - fqx, -ny - fqy, -nz - fqz
         out[k + 2, 0], out[k + 2, 1], out[k + 2, 2] = nx + fpx, ny + fpy, nz + fpz
         out[k + 3, 0], out[k + 3, 1], out[k + 3, 2] = -nx + fqx, -ny + fqy, -nz + fqz
+
+
+@parallel_kernel
+def write_twist(cells, positions, out):  # type: ignore[no-untyped-def]
+    """Forces on the corners 00, 10, 11, 01 of cell i into out[4 i] to out[4 i + 3]."""
+    for chunk in prange(CHUNKS):
+        _twist_of(chunk_range(chunk, len(cells.stiffness)), cells, positions, out)
 
 
 class ForceTwist:

@@ -1,0 +1,5 @@
+"""python -m garmentcad is garmentcad."""
+
+from garmentcad.cli.main import run
+
+run()

@@ -1,0 +1,66 @@
+"""The command line as a script sees it: exit codes, one JSON object, bad input refused at once without a traceback."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from test_bad_input import CASES, Case, place
+
+
+def garmentcad(*arguments: str, folder: Path | None = None) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([sys.executable, "-m", "garmentcad", *arguments], capture_output=True, text=True, cwd=folder, timeout=120, check=False)
+
+
+def test_help_and_version_answer() -> None:
+    assert "drape" in garmentcad("--help").stdout
+    assert garmentcad("--version").stdout.strip() == "0.1.0"
+
+
+def test_lists_name_what_is_shipped(tmp_path: Path) -> None:
+    assert "cotton-shirting" in garmentcad("fabric", "list", folder=tmp_path).stdout
+    assert "woman-88" in garmentcad("mannequin", "list", folder=tmp_path).stdout
+
+
+def test_json_prints_one_object_and_nothing_else(tmp_path: Path) -> None:
+    for arguments in (("check", "flared-skirt", "--json"), ("fabric", "show", "denim", "--json"), ("mannequin", "show", "man-100", "--json")):
+        run = garmentcad(*arguments, folder=tmp_path)
+        assert run.returncode == 0, run.stderr
+        assert isinstance(json.loads(run.stdout), dict)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (("drape", "flared-skrit"), "did you mean"),
+        (("drape", "flared-skirt", "--grid", "0.5"), "2 to 50 mm"),
+        (("drape", "flared-skirt", "--max-time", "nan"), "--max-time"),
+        (("drape", "flared-skirt", "--seed", "-1"), "--seed"),
+        (("drape", "flared-skirt", "--fabric", "no-such.yaml"), "no-such.yaml"),
+        (("drape", "flared-skirt", "--mannequin", "woman-89"), "woman-88"),
+        (("drape", "flared-skirt", "--resume", "-o", "nowhere"), "no checkpoint"),
+        (("render", "nowhere", "-o", "x.png"), "report.json"),
+        (("export", "nowhere", "-o", "x.stl"), ".obj"),
+        (("fabric", "show", "tweed"), "wool-tropical"),
+    ],
+)
+def test_bad_arguments_are_refused(arguments: tuple[str, ...], says: str, tmp_path: Path) -> None:
+    run = garmentcad(*arguments, folder=tmp_path)
+    assert run.returncode == 2, run.stderr
+    assert says in run.stderr
+    assert "Traceback" not in run.stderr
+
+
+SPECS = [case for case in CASES if case.kind == "spec"]
+
+
+@pytest.mark.parametrize("case", SPECS[:: max(1, len(SPECS) // 8)], ids=lambda case: case.name)
+def test_bad_specs_are_refused(case: Case, tmp_path: Path) -> None:
+    path = place(case, tmp_path)
+    run = garmentcad("drape", str(path), "-o", str(tmp_path / "out"))
+    assert run.returncode == 2, run.stderr
+    assert "Traceback" not in run.stderr
+    assert path.name in run.stderr
