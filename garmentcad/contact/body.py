@@ -13,7 +13,7 @@ from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.state import State
 from garmentcad.contact.bvh import EDGE_EDGE, TRIANGLE_POINT, box_distance2, fitted_tree, near_pairs, node_after
 from garmentcad.contact.elements import LEAST_GAP, elements, largest_around, unique_edges
-from garmentcad.contact.pairs import PUSH_SPEED, PUSH_TIME, Stand, candidates, farthest, keep_apart, load_pairs, room_for, store_pairs
+from garmentcad.contact.pairs import CLOSED, PUSH_SPEED, PUSH_TIME, Stand, candidates, farthest, keep_apart, load_pairs, room_for, store_pairs
 from garmentcad.contact.surface import build_surface, convex_curvature
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.geometry.closest import along, cross, distance_between, dot, minus, mixed, point_triangle, row, unit
@@ -22,7 +22,7 @@ CLEARANCE = 0.5e-3  # m, what a flat triangle keeps above the body's curve betwe
 LARGEST_GAP = 0.4  # of the lattice spacing
 ELEMENT_GAP = 0.4e-3  # m, of body vertices and edges against cloth triangles and edges
 _MARGIN = 2e-3  # m, travel that one look covers
-_ELEMENT_MARGIN = 2e-3  # m, the same for the pairs of elements
+_ELEMENT_MARGIN = 1e-3  # m, the same for the pairs of elements
 _WIDTH = 16  # faces a particle can list at the start; more room is made when needed
 _FAR = 0.5  # m, beyond this the distance to the body is not looked for
 _APART = 0.9  # cosine between normals below which a second candidate is a contact of its own (the other side of a hollow corner)
@@ -161,7 +161,7 @@ def _respond_one(p, reach, surface, near, grip, positions, time_step, velocities
     if d2 < math.inf and dot(n1, n2) >= _APART:
         room2 = math.inf
     # Speeds along the normals that the gap demands in this step; what is below the gap already is pushed out afterwards, without friction.
-    least1, least2 = min(0.0, -room1 / time_step), min(0.0, -room2 / time_step)
+    least1, least2 = min(0.0, (CLOSED - room1) / time_step), min(0.0, (CLOSED - room2) / time_step)
     before = v
     press1 = max(0.0, least1 - dot(v, n1))
     v = along(v, n1, press1)

@@ -42,6 +42,7 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
             status = "intersecting"
     elif status == "converged":
         status = "diverged"
+    outcome.dynamics.set_inverse_masses(outcome.dynamics.true_inverse_masses)
     kinetic, fastest, rms = outcome.dynamics.measures(state)
     left = residual(outcome.dynamics, state, patches(cloth)).rms_g if finite else None
     energy = outcome.dynamics.forces.energy(state.positions) if finite else {}
