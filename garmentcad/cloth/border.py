@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
 from garmentcad.arrays import floats, indices, rows_by_key
@@ -46,7 +48,7 @@ def _patch_owner(mesh: PanelMesh) -> np.ndarray:
     """
     owner = np.arange(len(mesh.points))
     starts = mesh.contour.loop_start
-    for start, stop in zip(starts[:-1], starts[1:], strict=True):
+    for start, stop in itertools.pairwise(starts):
         place = np.arange(stop - start)
         owner[mesh.lattice_count + start : mesh.lattice_count + stop] = mesh.lattice_count + start + place - place % 2
     return owner

@@ -38,7 +38,8 @@ class Cells(NamedTuple):
 class BorderTriangles(NamedTuple):
     """Triangles of the strip between full cells and contour. Warp vector = sum_k warp_gradient[k] x[k] (unit length at rest), weft vector alike.
 
-    Warp and weft strain are averaged over a patch, the triangles around a lattice vertex or two neighbouring contour vertices: e_p = sum(A e)/sum(A), energy sum_p A_p f(e_p), A_p = sum(A)/3.
+    Warp and weft strain are averaged over a patch, the triangles around a lattice vertex or two neighbouring contour vertices:
+    e_p = sum(A e)/sum(A), energy sum_p A_p f(e_p), A_p = sum(A)/3.
     A patch belongs to one panel and is not merged by welding.
     """
 

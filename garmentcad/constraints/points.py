@@ -41,7 +41,8 @@ def stitch_rows(stitches: np.ndarray, names: tuple[str, ...]) -> PointRows:
 class ConstraintPoints:
     """All point constraints of a cloth, solved together at each step.
 
-    rate: closing rate r [1/s]; ks = r^2, and ks dt^2 must stay below 0.1. cap: largest force of a row [N]. `redundant` names rows that repeat others (they are solved by least squares).
+    rate: closing rate r [1/s]; ks = r^2, and ks dt^2 must stay below 0.1. cap: largest force of a row [N].
+    `redundant` names rows that repeat others (they are solved by least squares).
     """
 
     def __init__(self, rows: PointRows, inverse_masses: np.ndarray, rate: float, cap: float = np.inf) -> None:

@@ -21,7 +21,8 @@ def save_state(path: Path, state: State, identity: dict[str, str]) -> None:
         "schema": SCHEMA, "identity": identity, "time_s": state.time_s, "step": state.step, "time_step_s": state.time_step_s, "phase": state.phase,
         "run": state.run, "work_j": state.work_j,
     }  # fmt: skip
-    arrays = {"positions": state.positions, "velocities": state.velocities, "constraint_speeds": state.constraint_speeds, "head": np.frombuffer(json.dumps(head).encode(), dtype=np.uint8)}
+    arrays = {"positions": state.positions, "velocities": state.velocities, "constraint_speeds": state.constraint_speeds}
+    arrays |= {"head": np.frombuffer(json.dumps(head).encode(), dtype=np.uint8)}
     arrays |= {f"friction.{name}": array for name, array in state.friction.items()} | {f"contact.{name}": array for name, array in state.contact.items()}
     write_atomic(path, lambda stream: np.savez(stream, **arrays))  # type: ignore[arg-type]
 

@@ -21,7 +21,8 @@ CLOSING_DRAG = 12.0  # 1/s
 CLOSING_CAP_S = 4.0
 FALL_DRAG = 3.0
 FALL_S = 1.5
-# While seams close and cloth falls, tension is softened: the time step grows by the root of it, and the shape that counts is found afterwards at true stiffness.
+# While seams close and cloth falls, tension is softened: the time step grows by the root of it, and the shape that counts is found afterwards at
+# true stiffness.
 SOFTNESS = 8.0
 # The last part of the fall brings tension back little by little, because a sudden jump would turn the strain of soft cloth into speed.
 STIFFEN_S = 0.3
@@ -48,7 +49,8 @@ class Progress:
 class Course:
     """Runs the phases after sewing on welded cloth, and looks every STEPS_PER_LOOK steps. All that decides lies in `state`: a resumed run decides alike.
 
-    forces_at(softness): the forces with tension divided by softness, which include `drag`. max_time_s: cap on simulated time. mode: 'drape' (equalised masses, damping of fall and settle) or 'dynamics' (true masses, light damping).
+    forces_at(softness): the forces with tension divided by softness, which include `drag`. max_time_s: cap on simulated time.
+    mode: 'drape' (equalised masses, damping of fall and settle) or 'dynamics' (true masses, light damping).
     """
 
     def __init__(self, dynamics: Dynamics, drag: ForceDrag, forces_at: Callable[[float], ForceAssembly], mode: str, max_time_s: float) -> None:

@@ -19,10 +19,12 @@ from garmentcad.cloth.state import State
 from garmentcad.cloth.weld import weld
 from garmentcad.contact.body import ContactBody
 from garmentcad.contact.cloth import ContactCloth
+from garmentcad.contact.contact import Contact
 from garmentcad.errors import GarmentError, LimitError
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.drag import ForceDrag
+from garmentcad.forces.force import BodyForce
 from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
 from garmentcad.placement.place import place_vertices
@@ -127,7 +129,7 @@ def run(job: Job, look: Callable[[Progress], None], checkpoint: Path | None = No
 def _dynamics(job: Job, cloth: Cloth, materials: MaterialTable, sewing: bool) -> tuple[Dynamics, ForceDrag, Callable[[float], ForceAssembly]]:
     """The stepper, its drag, and its forces at a softness. While sewing there is neither weight nor friction: seams slide to where they close."""
     drag = ForceDrag(cloth.masses, CLOSING_DRAG)
-    body_forces = [drag] if sewing else [ForceGravity(cloth.masses), drag]
+    body_forces: list[BodyForce] = [drag] if sewing else [ForceGravity(cloth.masses), drag]
 
     def forces_at(softness: float) -> ForceAssembly:
         softer = materials._replace(tension_force=materials.tension_force / softness, tension_slope=materials.tension_slope / softness)
@@ -136,7 +138,7 @@ def _dynamics(job: Job, cloth: Cloth, materials: MaterialTable, sewing: bool) ->
     touch = materials
     if sewing:
         touch = materials._replace(friction_body=0.0 * materials.friction_body, friction_cloth=0.0 * materials.friction_cloth)
-    contacts = [ContactCloth(cloth, touch), ContactBody(job.mannequin.vertices, job.mannequin.faces, cloth, touch)]
+    contacts: list[Contact] = [ContactCloth(cloth, touch), ContactBody(job.mannequin.vertices, job.mannequin.faces, cloth, touch)]
     forces = forces_at(SOFTNESS if sewing and job.mode == "drape" else 1.0)
     return Dynamics(cloth, forces, StrainLimit(cloth, materials), contacts), drag, forces_at
 

@@ -1,0 +1,43 @@
+"""Sewing closes, keeps momentum at the weld, and refuses a tangled start."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from test_lattice import two_panels
+
+from garmentcad.cloth.state import State
+from garmentcad.cloth.weld import weld
+from garmentcad.errors import TangledError
+from garmentcad.io.mannequin_file import read_mannequin
+from garmentcad.simulation.sewing import weld_state
+from garmentcad.simulation.start import refuse_tangled
+
+
+def test_weld_keeps_mass_center_and_momentum() -> None:
+    flat = two_panels()
+    welded, particle_map = weld(flat)
+    rng = np.random.default_rng(0)
+    state = State(rng.standard_normal((flat.particle_count, 3)), rng.standard_normal((flat.particle_count, 3)))
+    after = weld_state(flat, welded, particle_map, state)
+    for before, now in ((state.positions, after.positions), (state.velocities, after.velocities)):
+        assert (welded.masses[:, None] * now).sum(axis=0) == pytest.approx((flat.masses[:, None] * before).sum(axis=0), rel=1e-12)
+    alone = np.bincount(particle_map)[particle_map] == 1
+    assert after.positions[particle_map[alone]] == pytest.approx(state.positions[alone], rel=1e-14)
+
+
+def test_start_inside_the_body_or_through_another_panel_is_refused() -> None:
+    flat = two_panels()
+    body = read_mannequin("woman-88")
+    away = np.column_stack([flat.vertex_uv_mm * 1e-3, 2.0 + 0.1 * flat.vertex_panel])
+    refuse_tangled(flat, away, body)
+    with pytest.raises(TangledError, match=r"inside mannequin woman-88"):
+        refuse_tangled(flat, away + np.array([0.0, 1.0, -2.0]), body)
+    crossing = away.copy()
+    second = flat.vertex_panel == 1
+    # stand the second panel upright on the middle of the first
+    middle = crossing[~second].mean(axis=0)
+    u, v = (flat.vertex_uv_mm[second] * 1e-3 - (flat.vertex_uv_mm[second] * 1e-3).mean(axis=0)).T
+    crossing[second] = middle + np.column_stack([u, np.full_like(u, 1e-4), v])
+    with pytest.raises(TangledError, match=" x "):
+        refuse_tangled(flat, crossing, body)

@@ -1,0 +1,97 @@
+"""Makes docs/pictures: swatches in a soft and a stiff fabric, and the garments of the study. `python -m tools.pictures`"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pyvista as pv
+from trimesh.creation import icosphere
+
+from garmentcad.cloth.lattice import rectangle_cloth
+from garmentcad.cloth.state import State
+from garmentcad.contact.body import ContactBody
+from garmentcad.contact.cloth import ContactCloth
+from garmentcad.export.picture import render_picture
+from garmentcad.fabric.material import material_row, material_table
+from garmentcad.forces.assembly import ForceAssembly
+from garmentcad.forces.drag import ForceDrag
+from garmentcad.forces.gravity import ForceGravity
+from garmentcad.forces.internal import internal_forces
+from garmentcad.io.fabric_file import fabric_path, load_fabric
+from garmentcad.mannequin.mannequin import Mannequin
+from garmentcad.simulation.course import Course
+from garmentcad.solve.dynamics import Dynamics
+from garmentcad.solve.strain_limit import StrainLimit
+
+ROOT = Path(__file__).resolve().parent.parent
+FOLDER = ROOT / "docs" / "pictures"
+FABRICS = ("silk-habotai", "denim")
+GARMENTS = ("flared-skirt", "straight-skirt", "t-shirt")
+HEIGHT_M = 1.0  # of what is hung or laid
+
+
+def ball(radius: float) -> Mannequin:
+    """A ball whose top is at HEIGHT_M."""
+    mesh = icosphere(subdivisions=4, radius=radius)
+    faces = np.asarray(mesh.faces, dtype=np.int32)
+    return Mannequin("ball", np.asarray(mesh.vertices) + np.array([0.0, HEIGHT_M - radius, 0.0]), faces, {}, {}, {}, ("ball",), np.zeros(len(faces), dtype=np.int32))
+
+
+def swatch(kind: str, fabric: str) -> Path:
+    """Drape one swatch and draw it. kind: hung from two corners, on the bias from one corner, or laid on a ball of 120 mm."""
+    materials = material_table([material_row(load_fabric(fabric_path(fabric)).sheet)])
+    width, height = (460.0, 400.0) if kind == "ball" else (300.0, 300.0)
+    cloth = rectangle_cloth(width, height, 10.0, 0.0, materials)
+    flat = cloth.vertex_uv_mm * 1e-3 - [width * 5e-4, height * 5e-4]
+    if kind == "ball":
+        positions = np.column_stack([flat[:, 0], np.full(len(flat), HEIGHT_M + 0.003), -flat[:, 1]])
+    else:
+        turn = np.deg2rad(45.0 if kind == "bias" else 0.0)
+        flat = flat @ np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
+        positions = np.column_stack([flat[:, 0], flat[:, 1] + HEIGHT_M, np.zeros(len(flat))])
+    top = positions[:, 1].max()
+    # the corners come a little together, so that the hung swatch falls into folds
+    held = (positions[:, 1] > top - 1e-6) & ((np.abs(flat[:, 0]) > 0.149) | (kind == "bias")) if kind != "ball" else np.zeros(len(flat), dtype=bool)
+    positions[held, 0] *= 0.8
+    positions += 1e-5 * np.random.default_rng(0).standard_normal(positions.shape)
+    drag = ForceDrag(cloth.masses)
+
+    def forces_at(softness: float) -> ForceAssembly:
+        softer = materials._replace(tension_force=materials.tension_force / softness, tension_slope=materials.tension_slope / softness)
+        return ForceAssembly(internal_forces(cloth, softer), cloth.particle_count, [ForceGravity(cloth.masses), drag])
+
+    body = ball(0.06) if kind == "ball" else None
+    contacts = [ContactCloth(cloth, materials)] + ([] if body is None else [ContactBody(body.vertices, body.faces, cloth, materials)])
+    dynamics = Dynamics(cloth, forces_at(1.0), StrainLimit(cloth, materials), contacts, held)
+    state = State(positions, np.zeros_like(positions), phase="fall", run={"phase_from_s": 0.0})
+    dynamics.start(state)
+    status = Course(dynamics, drag, forces_at, "drape", 15.0).run(state, lambda progress: None)
+    print(kind, fabric, status, f"{state.time_s:.1f} s", flush=True)
+    return render_picture(FOLDER / f"swatch-{kind}-{fabric}.png", state.positions, cloth, body, "three-quarter")
+
+
+def side_by_side(pictures: list[Path], out: Path, height: int) -> None:
+    """One row of pictures of equal height."""
+    images = []
+    for picture in pictures:
+        image = np.asarray(pv.read(picture).active_scalars).reshape(*reversed(pv.read(picture).dimensions[:2]), -1)[::-1, :, :3]
+        step = image.shape[0] / height
+        rows = (np.arange(height) * step).astype(int)
+        images.append(image[rows][:, (np.arange(int(image.shape[1] / step)) * step).astype(int)])
+    row = np.concatenate(images, axis=1)
+    grid = pv.ImageData(dimensions=(row.shape[1], row.shape[0], 1))
+    grid.point_data["rgb"] = row[::-1].reshape(-1, 3)
+    grid.save(out)
+
+
+if __name__ == "__main__":
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    found = [ROOT / "out" / "study" / f"{garment}-cotton-shirting-woman-88" / "front.png" for garment in GARMENTS]
+    present = [path for path in found if path.exists()]
+    for garment, path in zip(GARMENTS, found, strict=True):
+        if path.exists():
+            (FOLDER / f"{garment}.png").write_bytes(path.read_bytes())
+    if present:
+        side_by_side(present, FOLDER / "garments.png", 700)
+    side_by_side([swatch(kind, fabric) for kind in ("hung", "bias", "ball") for fabric in FABRICS], FOLDER / "swatches.png", 420)
