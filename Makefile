@@ -3,7 +3,7 @@ VENV ?= .venv
 PYTHON ?= python3
 BIN := $(VENV)/bin
 DEMO_GARMENT ?= flared-skirt
-DEMO_OPTIONS ?=
+DEMO_OPTIONS ?= --grid 15
 DEMO_FOLDER ?= out/demo
 
 .PHONY: demo test lint study clean

@@ -35,7 +35,8 @@ def ball(radius: float) -> Mannequin:
     """A ball whose top is at HEIGHT_M."""
     mesh = icosphere(subdivisions=4, radius=radius)
     faces = np.asarray(mesh.faces, dtype=np.int32)
-    return Mannequin("ball", np.asarray(mesh.vertices) + np.array([0.0, HEIGHT_M - radius, 0.0]), faces, {}, {}, {}, ("ball",), np.zeros(len(faces), dtype=np.int32))
+    vertices = np.asarray(mesh.vertices) + np.array([0.0, HEIGHT_M - radius, 0.0])
+    return Mannequin("ball", vertices, faces, {}, {}, {}, ("ball",), np.zeros(len(faces), dtype=np.int32))
 
 
 def swatch(kind: str, fabric: str) -> Path:

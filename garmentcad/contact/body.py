@@ -18,9 +18,9 @@ from garmentcad.contact.surface import build_surface, convex_curvature
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.geometry.closest import along, cross, distance_between, dot, minus, mixed, point_triangle, row, unit
 
-CLEARANCE = 0.5e-3  # m, what a flat triangle keeps above the body's curve between its particles
+CLEARANCE = 0.6e-3  # m, what a flat triangle keeps above the body's curve between its particles
 LARGEST_GAP = 0.4  # of the lattice spacing
-ELEMENT_GAP = 0.4e-3  # m, of body vertices and edges against cloth triangles and edges
+ELEMENT_GAP = 0.15e-3  # m, of body vertices and edges against cloth triangles and edges
 _MARGIN = 2e-3  # m, travel that one look covers
 _ELEMENT_MARGIN = 1e-3  # m, the same for the pairs of elements
 _WIDTH = 16  # faces a particle can list at the start; more room is made when needed
