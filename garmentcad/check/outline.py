@@ -61,13 +61,13 @@ def _check_inside(panel: Panel, polygon: shapely.Polygon, file: str | None, key:
                 "Move the cutout inside, or draw it as part of the outline.",
             )  # fmt: skip
     for region in panel.regions:
-        area = shapely.make_valid(shapely.Polygon(region.polygon_mm))
-        outside = area.difference(polygon.buffer(_TOLERANCE_MM)).area
-        if outside > max(_OUTSIDE_MM2, 1e-3 * area.area):
-            nothing = outside > 0.999 * area.area
+        covered = shapely.make_valid(shapely.Polygon(region.polygon_mm))
+        outside = covered.difference(polygon.buffer(_TOLERANCE_MM)).area
+        if outside > max(_OUTSIDE_MM2, 1e-3 * covered.area):
+            nothing = outside > 0.999 * covered.area
             yield Finding(
                 "error" if nothing else "warning", "region-outside", file, f"{key}.regions.{region.name}",
-                f"{outside:.0f} of {area.area:.0f} mm2 of the region lie outside the panel",
+                f"{outside:.0f} of {covered.area:.0f} mm2 of the region lie outside the panel",
                 "Draw the region inside the outline; what lies outside has no effect.",
             )  # fmt: skip
 

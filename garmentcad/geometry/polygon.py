@@ -28,7 +28,7 @@ def crossing_point(points: np.ndarray) -> tuple[float, float] | None:
         return None
     # An overlay of the ring with itself cuts it at every crossing: a point where more than two pieces meet, or a stretch run twice, is the fault.
     noded = shapely.node(ring)
-    met: dict[tuple[float, float], int] = {}
+    met: dict[tuple[float, ...], int] = {}
     for line in noded.geoms:
         for end in (line.coords[0], line.coords[-1]):
             met[end] = met.get(end, 0) + 1
