@@ -88,7 +88,7 @@ def side_by_side(pictures: list[Path], out: Path, height: int) -> None:
 
 if __name__ == "__main__":
     FOLDER.mkdir(parents=True, exist_ok=True)
-    found = [ROOT / "out" / "study" / f"{garment}-cotton-shirting-woman-88" / "front.png" for garment in GARMENTS]
+    found = [ROOT / "out" / "study" / f"{garment}-cotton-shirting-woman-88-20-mm" / "front.png" for garment in GARMENTS]
     present = [path for path in found if path.exists()]
     for garment, path in zip(GARMENTS, found, strict=True):
         if path.exists():

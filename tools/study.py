@@ -18,6 +18,7 @@ from garmentcad.simulation.study import StudyCase, run_study, write_study_table
 ROOT = Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "docs" / "studies"
 GARMENTS = ("flared-skirt", "straight-skirt", "t-shirt")
+GRIDS_MM = (20.0, 10.0)
 FABRICS = ("cotton-shirting", "wool-suiting", "silk-habotai")
 MANNEQUINS = {"flared-skirt": ("woman-88",), "straight-skirt": ("woman-88",), "t-shirt": ("woman-88", "man-100")}
 KEPT = ("status", "particles", "steps", "simulated_time_s", "wall_time_s", "rest",
@@ -35,17 +36,18 @@ COLUMNS = {
 
 
 def garments(only: str | None) -> None:
-    """The three garments in three fabrics at 10 mm."""
+    """The three garments in three fabrics, coarse and fine."""
     cases = []
-    for garment in GARMENTS:
-        for body in MANNEQUINS[garment]:
-            for fabric in FABRICS:
-                job = make_job(garment, fabric, body)
-                cases.append(StudyCase(f"{garment} {fabric} {body}", job.spec_sha256, fabric, body, __version__, {"garment": garment}))
+    for grid in GRIDS_MM:
+        for garment in GARMENTS:
+            for body in MANNEQUINS[garment]:
+                for fabric in FABRICS:
+                    job = make_job(garment, fabric, body, grid_mm=grid)
+                    name = f"{garment} {fabric} {body} {grid:g} mm"
+                    cases.append(StudyCase(name, job.spec_sha256, fabric, body, __version__, {"garment": garment, "grid_mm": grid}))
 
     def run_case(case: StudyCase) -> Mapping[str, Any]:
-        garment = case.parameters["garment"]
-        job = make_job(garment, case.fabric, case.mannequin)
+        job = make_job(case.parameters["garment"], case.fabric, case.mannequin, grid_mm=case.parameters["grid_mm"])
         result, _ = finish(job, lambda progress: None, ROOT / "out" / "study" / case.name.replace(" ", "-"))
         return {name: result.report[name] for name in KEPT}
 
