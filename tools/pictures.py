@@ -29,6 +29,7 @@ FOLDER = ROOT / "docs" / "pictures"
 FABRICS = ("silk-habotai", "denim")
 GARMENTS = ("flared-skirt", "straight-skirt", "t-shirt")
 HEIGHT_M = 1.0  # of what is hung or laid
+BEND_M = 0.12
 
 
 def ball(radius: float) -> Mannequin:
@@ -50,11 +51,11 @@ def swatch(kind: str, fabric: str) -> Path:
     else:
         turn = np.deg2rad(45.0 if kind == "bias" else 0.0)
         flat = flat @ np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
-        positions = np.column_stack([flat[:, 0], flat[:, 1] + HEIGHT_M, np.zeros(len(flat))])
+        # bent around an upright cylinder, so that the held corners are closer than the cloth is wide and it falls into folds
+        angle = flat[:, 0] / BEND_M
+        positions = np.column_stack([BEND_M * np.sin(angle), flat[:, 1] + HEIGHT_M, BEND_M * np.cos(angle)])
     top = positions[:, 1].max()
-    # the corners come a little together, so that the hung swatch falls into folds
     held = (positions[:, 1] > top - 1e-6) & ((np.abs(flat[:, 0]) > 0.149) | (kind == "bias")) if kind != "ball" else np.zeros(len(flat), dtype=bool)
-    positions[held, 0] *= 0.8
     positions += 1e-5 * np.random.default_rng(0).standard_normal(positions.shape)
     drag = ForceDrag(cloth.masses)
 
