@@ -102,7 +102,7 @@ def _print_result(report: dict, written: object, compile_s: float, total_s: floa
 
 
 class _ProgressLine:
-    """One line on the terminal that is written over; where the output is no terminal, a line every ten seconds."""
+    """One line on the terminal that is written over; where the output is no terminal, a line every five seconds."""
 
     def __init__(self, silent: bool) -> None:
         self._silent, self._terminal = silent, sys.stderr.isatty()
@@ -112,7 +112,7 @@ class _ProgressLine:
 
     def show(self, progress: Progress) -> None:
         now = time.perf_counter()
-        if self._silent or now - self._last < (0.2 if self._terminal else 10.0):
+        if self._silent or now - self._last < (0.2 if self._terminal else 5.0):
             return
         self._last = now
         parts = [f"{progress.phase:6}", f"step {progress.step}", f"{progress.time_s:.2f} s"]
