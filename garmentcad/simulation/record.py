@@ -18,7 +18,7 @@ from garmentcad.analysis.pressure import contact_pressure
 from garmentcad.analysis.run_record import RunRecord, Status
 from garmentcad.analysis.tributary import particle_areas
 from garmentcad.fabric.sheet import is_calibrated
-from garmentcad.simulation.run import Outcome
+from garmentcad.simulation.run import WIDEST_WELD_MM, Outcome
 from garmentcad.solve.rest import patches, residual
 
 LIBRARIES = ("numpy", "scipy", "numba", "trimesh", "shapely")
@@ -43,6 +43,7 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
     elif status == "converged":
         status = "diverged"
     outcome.dynamics.set_inverse_masses(outcome.dynamics.true_inverse_masses)
+    widest = max(outcome.seam_gap_mm.values(), default=None)
     kinetic, fastest, rms = outcome.dynamics.measures(state)
     left = residual(outcome.dynamics, state, patches(cloth)).rms_g if finite else None
     energy = outcome.dynamics.forces.energy(state.positions) if finite else {}
@@ -65,8 +66,13 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
         simulated_time_s=state.time_s,
         wall_time_s={**outcome.wall_s, "total": sum(outcome.wall_s.values()), **outcome.seconds},
         rest={"max_speed_m_s": fastest, "rms_speed_m_s": rms, "kinetic_j_per_kg": kinetic / float(cloth.masses.sum()), "residual_g_rms": left},
-        constraints={"max_gap_mm": None, "max_speed_m_s": None, "conflicting": list(outcome.redundant)},
-        seam_gap_mm=max(outcome.seam_gap_mm.values(), default=0.0),
+        # Rows that repeat others conflict only where they did not close together.
+        constraints={
+            "max_gap_mm": widest,
+            "max_speed_m_s": None,
+            "conflicting": [name for name in outcome.redundant if outcome.seam_gap_mm.get(name, 0.0) > WIDEST_WELD_MM],
+        },
+        seam_gap_mm=widest,
         mannequin_penetration_mm=depth,
         self_intersections=crossings,
         mannequin_intersections=touching,
@@ -76,7 +82,7 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
             "bend": _sum(energy, "bend", "twist", "hinge"),
             "gravity": energy.get("gravity"),
             "friction_work": state.work_j["friction"],
-            "damping_work": state.work_j["damping"],
+            "damping_work": None,  # not measured yet
         },
         uncalibrated=not all(is_calibrated(completed.sheet) for completed in job.fabrics.values()),
         warnings=(*outcome.warnings, *findings),

@@ -40,6 +40,7 @@ from garmentcad.solve.strain_limit import StrainLimit
 JITTER_M = 1e-5  # of the start, so that no fold is decided by round-off
 MAX_PARTICLES = 1_000_000
 CHECKPOINT_EVERY_S = 20.0
+WIDEST_WELD_MM = 1.0  # a seam that was wider open when it was welded did not close
 
 
 class Interrupted(GarmentError):
@@ -121,6 +122,10 @@ def run(job: Job, look: Callable[[Progress], None], checkpoint: Path | None = No
         except DivergedError as error:
             status, warnings = "diverged", [str(error)]
     gaps = {key.removeprefix("gap_mm."): value for key, value in state.run.items() if key.startswith("gap_mm.")}
+    for name, gap in gaps.items():
+        if gap > WIDEST_WELD_MM:
+            warnings.append(f"seam '{name}' did not close: it was welded across {gap:.1f} mm (at most {WIDEST_WELD_MM:g} mm is a closed seam)")
+            status = "max_time" if status == "converged" else status
     seconds = {kind: seconds.get(kind, 0.0) + spent for kind, spent in dynamics.seconds.items()}
     wall = {"setup": setup, "drape": time.perf_counter() - began - setup}
     return Outcome(job, welded, materials, dynamics, state, status, gaps, redundant, wall, seconds, warnings, sewn)
