@@ -6,7 +6,7 @@ import numba
 import numpy as np
 
 from garmentcad.arrays import floats, frozen, indices, rows_by_key
-from garmentcad.cloth.cloth import WARP, WEFT, BendLines, BorderTriangles, Cells, Cloth, Links, SeamHinges
+from garmentcad.cloth.cloth import WARP, WEFT, BendLines, BorderTriangles, Cells, Cloth, ContourSpans, Links, SeamHinges
 from garmentcad.fabric.law_tension import initial_slope
 from garmentcad.fabric.material import MaterialTable
 
@@ -100,6 +100,12 @@ def small_cloth() -> Cloth:
         indices(np.column_stack([material(count), material(count)])), rng.uniform(0.0, 1.0, (count, 2)),
     )  # fmt: skip
 
+    rows = np.column_stack([contour[k : len(contour) - 3 + k] for k in range(4)])
+    count = len(rows)
+    spans = ContourSpans(
+        indices(rows), np.tile([-1.0, 3.0, -3.0, 1.0], (count, 1)), np.full(count, H), rng.uniform(0.0, 1.0, count), material(count)
+    )
+
     masses = np.zeros(len(uv))
     np.add.at(masses, corners, 0.15 * H * H / 4)
     np.add.at(masses, strip, 0.15 * (0.5 * double / 3)[:, None])
@@ -117,6 +123,7 @@ def small_cloth() -> Cloth:
         cells=cells,
         border=border,
         bends=bends,
+        spans=spans,
         hinges=hinges,
         triangles=frozen(indices(np.vstack([quads, strip]))),
         triangle_material=np.zeros(2 * len(corners) + len(strip), dtype=np.int32),

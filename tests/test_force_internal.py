@@ -15,7 +15,7 @@ FORCES = {force.name: force for force in internal_forces(CLOTH, MATERIALS)}
 
 
 def test_all_laws_are_there() -> None:
-    assert list(FORCES) == ["stretch", "shear", "border", "bend", "twist", "hinge"]
+    assert list(FORCES) == ["stretch", "shear", "border", "bend", "twist", "span", "hinge"]
 
 
 @pytest.mark.parametrize("kind", KINDS)

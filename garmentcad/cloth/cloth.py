@@ -70,6 +70,16 @@ class BendLines(NamedTuple):
     material: np.ndarray  # (B,) int32
 
 
+class ContourSpans(NamedTuple):
+    """Four points that follow one another along a contour, with the coefficients of their third difference (see cloth/contour_spans.py)."""
+
+    corners: np.ndarray  # (N,4) int32
+    coefficients: np.ndarray  # (N,4)
+    length: np.ndarray  # (N,) m, mean distance of the points
+    along_warp: np.ndarray  # (N,) cosine between the contour and warp
+    material: np.ndarray  # (N,) int32
+
+
 class SeamHinges(NamedTuple):
     """Hinges over welded sew lines. Corners: the two ends of the edge, then the wing of side a, the wing of side b.
 
@@ -104,6 +114,7 @@ class Cloth:
     cells: Cells
     border: BorderTriangles
     bends: BendLines
+    spans: ContourSpans
     hinges: SeamHinges
     triangles: np.ndarray  # (F,3) int32 VERTICES (not particles): what contact, judge and exporters use
     triangle_material: np.ndarray  # (F,) int32

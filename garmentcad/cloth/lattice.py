@@ -12,8 +12,9 @@ from scipy.spatial import cKDTree
 from garmentcad.arrays import floats, frozen, indices
 from garmentcad.cloth.bend_lines import bend_lines
 from garmentcad.cloth.border import border_triangles
-from garmentcad.cloth.cloth import WARP, WEFT, BendLines, BorderTriangles, Cells, Cloth, Links, SeamHinges
+from garmentcad.cloth.cloth import WARP, WEFT, BendLines, BorderTriangles, Cells, Cloth, ContourSpans, Links, SeamHinges
 from garmentcad.cloth.contour import Contour, sample_contours
+from garmentcad.cloth.contour_spans import contour_spans
 from garmentcad.cloth.panel_mesh import PARTICLE_CAP, PanelMesh, mesh_panel, to_panel
 from garmentcad.errors import InputError, LimitError, SpecError
 from garmentcad.fabric.material import MaterialTable
@@ -37,6 +38,7 @@ class _Part(NamedTuple):
     cells: Cells
     border: BorderTriangles
     bends: BendLines
+    spans: ContourSpans
     triangles: np.ndarray
     triangle_material: np.ndarray
 
@@ -88,6 +90,7 @@ def build_cloth(
         cells=_join([part.cells for part in parts], first, ("corners",)),
         border=_join_border([part.border for part in parts], first),
         bends=_join([part.bends for part in parts], first, ("center", "arm_a", "arm_b")),
+        spans=_join([part.spans for part in parts], first, ("corners",)),
         hinges=no_hinges(),
         triangles=frozen(indices(np.concatenate([part.triangles + start for part, start in zip(parts, first)]))),
         triangle_material=frozen(indices(np.concatenate([part.triangle_material for part in parts]))),
@@ -162,7 +165,7 @@ def _part(panel: Panel, mesh: PanelMesh, material_of: MaterialOf, materials: Mat
         material=cell_material,
     )
     bends = bend_lines(mesh)
-    links = _links(mesh)
+    links, spans = _links(mesh), contour_spans(mesh)
     triangles, source = _contact_triangles(mesh)
     return _Part(
         uv,
@@ -171,6 +174,7 @@ def _part(panel: Panel, mesh: PanelMesh, material_of: MaterialOf, materials: Mat
         cells,
         border_triangles(mesh, strip_material),
         bends._replace(material=rows_at(uv[bends.center])),
+        spans._replace(material=rows_at(uv[spans.corners].mean(axis=1))),
         triangles,
         np.concatenate([cell_material[source], strip_material]),
     )

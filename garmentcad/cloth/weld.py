@@ -44,6 +44,7 @@ def weld(cloth: Cloth) -> tuple[Cloth, np.ndarray]:
         cells=cloth.cells._replace(corners=frozen(particle[cloth.cells.corners])),
         border=cloth.border._replace(corners=frozen(particle[cloth.border.corners])),
         bends=bends._replace(center=frozen(particle[bends.center]), arm_a=frozen(particle[bends.arm_a]), arm_b=frozen(particle[bends.arm_b])),
+        spans=cloth.spans._replace(corners=frozen(particle[cloth.spans.corners])),
         hinges=SeamHinges(*(frozen(np.concatenate(pair)) for pair in zip(old, made))),
         stitches=frozen(cloth.stitches[:0]),
         stitch_seam=frozen(cloth.stitch_seam[:0]),

@@ -105,3 +105,14 @@ def material_table(rows: Sequence[MaterialRow]) -> MaterialTable:
     if not rows:
         raise FabricError("a material table needs at least one row")
     return MaterialTable(*(floats(column) for column in zip(*rows, strict=True)))
+
+
+def bending_along(materials: MaterialTable, material: np.ndarray, along_warp: np.ndarray) -> np.ndarray:
+    """Bending stiffness [N.m] in a direction of rows `material` (any shape), from its cosine to warp: B_warp c^4 + B_weft s^4 + 4 D66 c^2 s^2.
+
+    Source: orthotropic plate without Poisson effect.
+    """
+    warp2 = along_warp**2
+    weft2 = 1.0 - warp2
+    bending = materials.bending[material]
+    return np.asarray(bending[..., 0] * warp2**2 + bending[..., 1] * weft2**2 + 4.0 * materials.twist[material] * warp2 * weft2)

@@ -17,8 +17,8 @@ import numpy as np
 from numba import prange
 
 from garmentcad.arrays import CHUNKS, chunk_range, indices, kernel, parallel_kernel
-from garmentcad.cloth.cloth import WARP, WEFT, Cloth
-from garmentcad.fabric.material import MaterialTable
+from garmentcad.cloth.cloth import Cloth
+from garmentcad.fabric.material import MaterialTable, bending_along
 
 LEAST_AREA2 = 1e-30  # m4, floor of squared normals: a wing on the sew line has no plane, and gets no force
 
@@ -76,10 +76,7 @@ class ForceHinge:
 
     def __init__(self, cloth: Cloth, materials: MaterialTable) -> None:
         hinges = cloth.hinges
-        warp2 = hinges.across_warp**2
-        weft2 = 1.0 - warp2
-        across = materials.bending[hinges.material, WARP] * warp2**2 + materials.bending[hinges.material, WEFT] * weft2**2
-        across = across + 4.0 * materials.twist[hinges.material] * warp2 * weft2
+        across = bending_along(materials, hinges.material, hinges.across_warp)
         self._hinges = HingeElements(np.array(hinges.corners), hinges.factor * across.mean(axis=1) * hinges.length2_over_area, np.array(hinges.rest_angle))
         self.corners = indices(hinges.corners).ravel()
 

@@ -11,13 +11,14 @@ from garmentcad.forces.border import ForceBorder
 from garmentcad.forces.force import Force
 from garmentcad.forces.hinge import ForceHinge
 from garmentcad.forces.shear import ForceShear
+from garmentcad.forces.span import ForceSpan
 from garmentcad.forces.stretch import ForceStretch
 from garmentcad.forces.time_step import DAMPING_RATIO, internal_damping_time
 from garmentcad.forces.twist import ForceTwist
 
 
 def internal_forces(cloth: Cloth, materials: MaterialTable, damping_ratio: float = DAMPING_RATIO) -> list[Force]:
-    """Stretch, shear, border, bend, twist and seam hinges of `cloth`, those that have elements.
+    """Stretch, shear, border, bend, twist, contour spans and seam hinges of `cloth`, those that have elements.
 
     Damping acts along the strain rates of stretch, shear and border with one time tau, so that the highest in-plane mode at rest, the stiffest of the cloth,
     has about `damping_ratio` (0 for none); lower modes have less in proportion to their frequency. Rigid motion is not damped.
@@ -30,5 +31,5 @@ def internal_forces(cloth: Cloth, materials: MaterialTable, damping_ratio: float
         stiffness += np.bincount(force.corners, weights=corner_stiffness, minlength=len(stiffness))
     for force in damped:
         force.damping_time = internal_damping_time(stiffness, cloth.masses, damping_ratio)
-    forces: list[Force] = [*damped, ForceBend(cloth, materials), ForceTwist(cloth, materials), ForceHinge(cloth, materials)]
+    forces: list[Force] = [*damped, ForceBend(cloth, materials), ForceTwist(cloth, materials), ForceSpan(cloth, materials), ForceHinge(cloth, materials)]
     return [force for force in forces if len(force.corners)]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -26,6 +27,8 @@ FALL_S = 1.5
 SOFTNESS = 8.0
 # The last part of the fall brings tension back little by little, because a sudden jump would turn the strain of soft cloth into speed.
 STIFFEN_S = 0.3
+# No part of a garment that is being dressed goes faster than this; what a weld or a snap sets free would. At a step of 0.1 ms it is 1 % of 10 mm.
+SPEED_CAP_M_S = 1.0
 SETTLE_DRAG = 7.0
 WATCH_DRAG = 1.0
 WATCH_S = 0.3
@@ -78,6 +81,9 @@ class Course:
         # Once watched, a run keeps its true masses: each change of masses shifts what rests on the body by a little, and the residual with it.
         dynamics.equalise = self.mode == "drape" and "watched" not in state.run
         drags = {"fall": FALL_DRAG, "settle": SETTLE_DRAG, "watch": WATCH_DRAG}
+        # A wearer smooths a garment down: it falls without friction, and what holds it up at rest is its shape first. Then friction is there and true.
+        dynamics.set_friction(0.0 if self.mode == "drape" and state.phase == "fall" else 1.0)
+        dynamics.speed_cap_m_s = SPEED_CAP_M_S if self.mode == "drape" else math.inf
         softness = 1.0
         if self.mode == "drape" and state.phase == "fall":
             left = max(0.0, FALL_S - (state.time_s - state.run["phase_from_s"]))

@@ -9,7 +9,7 @@ import numpy as np
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.state import State
 from garmentcad.constraints.points import ConstraintPoints, stitch_rows
-from garmentcad.simulation.course import CLOSED_M, CLOSING_CAP_S, CLOSING_PULL_N_M, CLOSING_RATE, STEPS_PER_LOOK, Progress
+from garmentcad.simulation.course import CLOSED_M, CLOSING_CAP_S, CLOSING_PULL_N_M, CLOSING_RATE, SPEED_CAP_M_S, STEPS_PER_LOOK, Progress
 from garmentcad.solve.dynamics import Dynamics
 
 
@@ -22,6 +22,8 @@ def close_seams(dynamics: Dynamics, state: State, look: Callable[[Progress], Non
     if len(state.constraint_speeds) == 0:
         state.constraint_speeds = np.zeros((len(cloth.stitches), 3))
     dynamics.equalise = True
+    dynamics.set_friction(0.0)  # seams slide to where they close
+    dynamics.speed_cap_m_s = SPEED_CAP_M_S
     while True:
         gaps = np.linalg.norm(dynamics.constraint.gaps(state.positions), axis=1)
         look(Progress(state.phase, state.step, state.time_s, float(gaps.max(initial=0.0)) * 1e3, None, dynamics.measures(state)[2], None))

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Sequence
 
@@ -35,16 +36,18 @@ class DivergedError(GarmentError):
 
 
 class Dynamics:
-    """Moves one cloth. Set `constraint` and `equalise` between steps; `seconds` sums wall time by kind of work.
+    """Moves one cloth. Set `constraint`, `equalise` and `speed_cap_m_s` between steps; `seconds` sums wall time by kind of work.
 
     equalise: drape mode; masses of particles whose own stable step is shorter than the median's are raised until it is not (the shape at rest does not depend
-    on them). fixed: (P,) bool, particles that do not move.
+    on them). speed_cap_m_s: forces make no particle faster than this. The time step rests on tangents that are a few steps old, and tension stiffens with
+    strain: what a weld or a snap sets free must not run ahead of them. fixed: (P,) bool, particles that do not move.
     """
 
     def __init__(self, cloth: Cloth, forces: ForceAssembly, limit: StrainLimit | None, contacts: Sequence[Contact], fixed: np.ndarray | None = None) -> None:
         self.cloth, self.forces, self.limit, self.contacts = cloth, forces, limit, tuple(contacts)
         self.fixed = np.zeros(cloth.particle_count, dtype=bool) if fixed is None else fixed
         self.equalise = False
+        self.speed_cap_m_s = math.inf
         self.constraint: ConstraintPoints | None = None
         self.seconds = {"forces": 0.0, "constraints": 0.0, "detection": 0.0, "response": 0.0}
         self._force = np.zeros((cloth.particle_count, 3))
@@ -60,6 +63,11 @@ class Dynamics:
             contact.set_inverse_masses(inverse_masses)
         if self.constraint is not None:
             self.constraint.set_inverse_masses(inverse_masses)
+
+    def set_friction(self, factor: float) -> None:
+        """Multiply the friction of all contacts of the next steps, 0 for none."""
+        for contact in self.contacts:
+            contact.set_friction(factor)
 
     @property
     def redundant(self) -> tuple[str, ...]:
@@ -106,7 +114,7 @@ class Dynamics:
         clock = time.perf_counter
         t0 = clock()
         self.forces.add_up(state.positions, state.velocities, self._force)
-        advance_velocities(self._force, self.inverse_masses, dt, state.velocities)
+        advance_velocities(self._force, self.inverse_masses, dt, self.speed_cap_m_s, state.velocities)
         t2 = clock()
         if self.constraint is not None:
             state.constraint_speeds = self.constraint.next_speeds(state.positions, state.constraint_speeds, dt)

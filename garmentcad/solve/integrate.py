@@ -15,11 +15,15 @@ from garmentcad.arrays import kernel, parallel_kernel
 
 
 @parallel_kernel
-def advance_velocities(forces, inverse_masses, time_step, velocities):
-    """velocities (P,3) in place; inverse_masses (P,) 1/kg of the resisting mass, 0 for a fixed particle."""
+def advance_velocities(forces, inverse_masses, time_step, speed_cap, velocities):
+    """velocities (P,3) in place; inverse_masses (P,) 1/kg of the resisting mass, 0 for a fixed particle; speed_cap: m/s, faster particles are slowed."""
     for p in prange(len(velocities)):
-        for axis in range(3):
-            velocities[p, axis] += time_step * inverse_masses[p] * forces[p, axis]
+        push = time_step * inverse_masses[p]
+        x, y, z = velocities[p, 0] + push * forces[p, 0], velocities[p, 1] + push * forces[p, 1], velocities[p, 2] + push * forces[p, 2]
+        square = x * x + y * y + z * z
+        # not a number stays one: the comparison is false
+        share = speed_cap / np.sqrt(square) if square > speed_cap * speed_cap else 1.0
+        velocities[p, 0], velocities[p, 1], velocities[p, 2] = share * x, share * y, share * z
 
 
 @kernel

@@ -1,0 +1,61 @@
+"""Contour spans: four points that follow one another along a contour. They feel the saw tooth that bend lines and seam hinges cannot see.
+
+A bend line that ends on a chord, and a hinge over a segment, feel the mean of the chord's two ends; up and down by turns along a contour costs them
+nothing. A span measures what is left of four points x_i after all that an affine map and a constant curvature along the contour make of them:
+
+    d = sum_i c_i x_i,     sum_i c_i = 0,     sum_i c_i X_i = 0     (X_i on the panel)
+
+c is the third difference of the points by arc length, projected onto these conditions, so that d vanishes exactly under rigid motion and uniform strain,
+and under a constant curvature where the contour is straight or an arc.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from garmentcad.arrays import floats, indices
+from garmentcad.cloth.cloth import ContourSpans
+from garmentcad.cloth.panel_mesh import PanelMesh
+from garmentcad.units import MM_TO_M
+
+_LARGEST_TURN_DEG = 30.0  # of the contour at the two middle points; a span does not reach around a corner
+_UNIFORM2 = 20.0  # 1 + 9 + 9 + 1, the squared third difference of equal steps
+_FLAT = 1e-6  # of the span: a bulge that is round-off
+
+
+def contour_spans(mesh: PanelMesh) -> ContourSpans:
+    """Spans of all loops of one panel in the panel's own numbering, material row 0."""
+    after = mesh.segments[:, 1] - np.int32(mesh.lattice_count)
+    chain = [np.arange(len(after))]
+    for _ in range(3):
+        chain.append(after[chain[-1]])
+    rows = np.stack(chain, axis=1) + mesh.lattice_count
+    rows = rows[rows[:, 0] != rows[:, 3]]  # a triangular loop
+    sides = np.diff(mesh.points[rows], axis=1)
+    lengths = np.linalg.norm(sides, axis=2)
+    turn = np.abs(np.arctan2(_cross(sides[:, :2], sides[:, 1:]), np.sum(sides[:, :2] * sides[:, 1:], axis=2)))
+    smooth = (turn <= np.radians(_LARGEST_TURN_DEG)).all(axis=1)
+    rows, lengths = rows[smooth], lengths[smooth]
+    whole = mesh.points[rows[:, 3]] - mesh.points[rows[:, 0]]
+    return ContourSpans(
+        corners=indices(rows),
+        coefficients=floats(_coefficients(mesh.points[rows], lengths)),
+        length=floats(lengths.mean(axis=1) * MM_TO_M),
+        along_warp=floats(whole[:, 1] / np.linalg.norm(whole, axis=1)),
+        material=np.zeros(len(rows), dtype=np.int32),
+    )
+
+
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+
+
+def _coefficients(points: np.ndarray, lengths: np.ndarray) -> np.ndarray:
+    """c (N,4) for points (N,4,2) with `lengths` (N,3) between them."""
+    place = np.concatenate([np.zeros((len(lengths), 1)), np.cumsum(lengths, axis=1)], axis=1)
+    apart = place[:, :, None] - place[:, None, :] + np.eye(4)
+    third = 1.0 / apart.prod(axis=2)  # the divided difference
+    third *= np.sqrt(_UNIFORM2 / np.sum(third**2, axis=1))[:, None]
+    size = place[:, -1, None, None]
+    affine = np.concatenate([np.ones((len(points), 4, 1)), (points - points.mean(axis=1, keepdims=True)) / size], axis=2)
+    return third - np.einsum("nij,nj->ni", affine @ np.linalg.pinv(affine, rcond=_FLAT), third)
