@@ -8,7 +8,7 @@ from small_cloth import materials
 
 from garmentcad.cloth.lattice import panel_cloth, rectangle_cloth
 from garmentcad.forces.span import ForceSpan
-from garmentcad.geometry.curve import Arc, Line
+from garmentcad.geometry.curve import Arc
 from garmentcad.pattern.pattern import Edge, Panel, Transform
 
 MATERIALS = materials()

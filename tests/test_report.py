@@ -71,7 +71,7 @@ def tube_measures(broken: bool = False) -> Measures:
         positions[7] = np.nan
     normal = positions * [1.0, 0.0, 1.0] / 0.15
     pressure = contact_pressure(-0.2 * normal, normal, np.full(len(positions), 1e-3), 1e-3, particle_areas(cloth))
-    return measure(cloth, positions, materials(), cylinder_body(), ["front.hem", "back.hem"], pressure)
+    return measure(cloth, positions, materials(), cylinder_body(), {"hem": ["front.hem", "back.hem"]}, pressure=pressure)
 
 
 def value(report: dict, path: str):

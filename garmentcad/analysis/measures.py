@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from garmentcad.analysis.carried import Carried, carried
 from garmentcad.analysis.ease import Ease, garment_ease
 from garmentcad.analysis.hem import HemHeight, hem_height
 from garmentcad.analysis.pressure import ContactPressure
@@ -15,6 +16,8 @@ from garmentcad.analysis.tension import tension_map
 from garmentcad.cloth.cloth import WARP, WEFT, Cloth
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.mannequin.mannequin import Mannequin
+
+HEM = "hem"
 
 
 @dataclass(frozen=True)
@@ -29,6 +32,8 @@ class Measures:
     strain_over_limit_percent: float | None
     ease: dict[str, Ease | None]
     hem: HemHeight | None
+    carried: Carried | None
+    mass_kg: float
     pressure_kpa: dict[str, float | None]
     maps: dict[str, np.ndarray] = field(default_factory=dict)
 
@@ -38,19 +43,22 @@ def measure(
     positions: np.ndarray,
     materials: MaterialTable,
     mannequin: Mannequin | None,
-    hem_edges: Iterable[str] = (),
+    roles: Mapping[str, Sequence[str]] | None = None,
+    placed: np.ndarray | None = None,
     pressure: ContactPressure | None = None,
 ) -> Measures:
-    """Measure a garment at positions (P,3) m. hem_edges: keys of `Cloth.edge_vertices`; without a mannequin (swatches) there is no ease.
+    """Measure a garment at positions (P,3) m. roles: role of edges -> keys of `Cloth.edge_vertices`; placed: (V,3) m of the vertices before sewing. Without a
+    mannequin (swatches) there is no ease.
 
     Positions that are not finite (a diverged run) give a record whose values are None.
     """
+    roles = {} if roles is None else roles
     counts = (cloth.particle_count, len(cloth.triangles), len(cloth.panel_names))
     if not np.isfinite(positions).all():
         nothing: dict[str, float | None] = dict.fromkeys(("p50", "p99", "max", "min"))
         no_trellis: dict[str, float | None] = dict.fromkeys(("p99", "max", "over_8_percent"))
         no_pressure: dict[str, float | None] = dict.fromkeys(("max", "mean_in_contact"))
-        return Measures(*counts, {axis: dict(nothing) for axis in AXES}, no_trellis, None, {}, None, no_pressure)
+        return Measures(*counts, {axis: dict(nothing) for axis in AXES}, no_trellis, None, {}, None, None, float(cloth.masses.sum()), no_pressure)
     warp, weft = yarn_strain(cloth, positions, WARP), yarn_strain(cloth, positions, WEFT)
     maps = {"strain": strain_map(cloth, warp, weft), "tension": tension_map(cloth, warp, weft, materials)}
     if pressure is not None:
@@ -61,7 +69,9 @@ def measure(
         trellis_deg=trellis_summary(trellis(cloth, positions)),
         strain_over_limit_percent=share_over_limit_percent(warp, weft, materials),
         ease={} if mannequin is None else garment_ease(cloth, positions, mannequin),
-        hem=hem_height(cloth, positions, hem_edges),
+        hem=hem_height(cloth, positions, roles.get(HEM, ())),
+        carried=None if mannequin is None or placed is None else carried(cloth, placed, positions, mannequin, roles),
+        mass_kg=float(cloth.masses.sum()),
         pressure_kpa={"max": None, "mean_in_contact": None} if pressure is None else pressure.summary(),
         maps=maps,
     )

@@ -26,7 +26,7 @@ _FLAT = 1e-6  # of the span: a bulge that is round-off
 def contour_spans(mesh: PanelMesh) -> ContourSpans:
     """Spans of all loops of one panel in the panel's own numbering, material row 0."""
     after = mesh.segments[:, 1] - np.int32(mesh.lattice_count)
-    chain = [np.arange(len(after))]
+    chain: list[np.ndarray] = [np.arange(len(after))]
     for _ in range(3):
         chain.append(after[chain[-1]])
     rows = np.stack(chain, axis=1) + mesh.lattice_count

@@ -37,6 +37,7 @@ class Near(NamedTuple):
     found: np.ndarray  # (P,) int32, how many faces are in reach
     faces: np.ndarray  # (P,K) int32, by rising distance
     distances: np.ndarray  # (P,K) m
+    rise: np.ndarray  # (P,) m, the largest rise of those faces; infinite for a particle inside the body
 
 
 class Grip(NamedTuple):
@@ -50,14 +51,14 @@ class Grip(NamedTuple):
 
 
 @kernel
-def _collect(p, surface, tree, x, reaches, near):  # type: ignore[no-untyped-def]
+def _collect(p, surface, tree, x, reaches, rise, near):  # type: ignore[no-untyped-def]
     """List the faces within reach of x for particle p, nearest first. reaches: this reach, and how far to look for the closest face.
 
     Returns the distance of the closest face, or how far it was looked for in vain.
     """
     leaves, count = len(tree.boxes) // 2, len(tree.order)
     reach2, closest2 = reaches[0] ** 2, reaches[1] ** 2
-    found = 0
+    found, largest, inside = 0, 0.0, False
     node = 1
     while True:
         # Until something is in reach, the closest face is looked for; from then on all within reach.
@@ -69,11 +70,16 @@ def _collect(p, surface, tree, x, reaches, near):  # type: ignore[no-untyped-def
             for slot in range((node - leaves) * count // leaves, (node - leaves + 1) * count // leaves):
                 face = tree.order[slot]
                 corners = row(surface.faces, face)
-                distance2 = point_triangle(x, row(surface.vertices, corners[0]), row(surface.vertices, corners[1]), row(surface.vertices, corners[2]))[3]
+                a, b, c = row(surface.vertices, corners[0]), row(surface.vertices, corners[1]), row(surface.vertices, corners[2])
+                u, v, w, distance2, feature = point_triangle(x, a, b, c)
+                if distance2 <= closest2:
+                    outward = (surface.normals[face, feature, 0], surface.normals[face, feature, 1], surface.normals[face, feature, 2])
+                    inside = dot(minus(x, mixed(a, b, c, u, v, w)), outward) < 0.0
                 closest2 = min(closest2, distance2)
                 if distance2 > reach2:
                     continue
                 found += 1
+                largest = max(largest, rise[corners[0]], rise[corners[1]], rise[corners[2]])
                 if found <= near.faces.shape[1]:
                     distance, place = math.sqrt(distance2), found - 1
                     while place > 0 and near.distances[p, place - 1] > distance:
@@ -83,12 +89,12 @@ def _collect(p, surface, tree, x, reaches, near):  # type: ignore[no-untyped-def
         node = node_after(node)
         if node == 1:
             break
-    near.found[p] = found
+    near.found[p], near.rise[p] = found, math.inf if inside else largest
     return math.sqrt(closest2)
 
 
 @kernel
-def _look_of(particles, surface, tree, positions, reaches, near, looked):  # type: ignore[no-untyped-def]
+def _look_of(particles, surface, tree, positions, reaches, rise, near, looked):  # type: ignore[no-untyped-def]
     reserve, gap, margin = reaches
     for p in range(particles[0], particles[1]):
         way = distance_between(positions, near.home, p)
@@ -97,20 +103,20 @@ def _look_of(particles, surface, tree, positions, reaches, near, looked):  # typ
             # The closest face is no farther than it was plus the way.
             before = near.distances[p, 0] if near.found[p] > 0 else near.allowance[p] + gap
             bound = min(_FAR, way + before) if before > 0.0 else _FAR
-            closest = _collect(p, surface, tree, row(positions, p), (gap + margin, bound), near)
+            closest = _collect(p, surface, tree, row(positions, p), (gap + margin, bound), rise, near)
             for axis in range(3):
                 near.home[p, axis] = positions[p, axis]
             near.allowance[p] = margin if near.found[p] > 0 else closest - gap
 
 
 @parallel_kernel
-def _look(surface, tree, positions, reaches, near, looked):  # type: ignore[no-untyped-def]
+def _look(surface, tree, positions, reaches, rise, near, looked):  # type: ignore[no-untyped-def]
     """Particles whose way exceeds their allowance collect the faces within gap + margin; where there is none, the distance is their allowance.
 
-    reaches: the reserve, gap and margin, m.
+    reaches: the reserve, gap and margin, m; rise: (V,) of the body's vertices.
     """
     for chunk in prange(CHUNKS):
-        _look_of(chunk_range(chunk, len(positions)), surface, tree, positions, reaches, near, looked)
+        _look_of(chunk_range(chunk, len(positions)), surface, tree, positions, reaches, rise, near, looked)
 
 
 @kernel
@@ -206,7 +212,7 @@ def _respond_of(particles, surface, near, grip, positions, time_step, changes): 
         if near.found[p] > 0 and grip.inverse_masses[p] > 0.0:
             way, speed = distance_between(positions, near.home, p), math.sqrt(dot(row(velocities, p), row(velocities, p)))
             # No face farther than this at the look can matter in the step.
-            reach = max(grip.gap[p], grip.largest_gap) + speed * time_step + way
+            reach = max(grip.gap[p], min(near.rise[p], grip.largest_gap)) + speed * time_step + way
             if near.distances[p, 0] <= reach:
                 work[p] = _respond_one(p, reach, surface, near, grip, positions, time_step, velocities)
 
@@ -256,9 +262,9 @@ class ContactBody:
     def start(self, state: State) -> None:
         """Allocate; every particle has to look."""
         count = len(state.positions)
-        for key, array in Near(
-            state.positions.copy(), np.full(count, -np.inf), np.zeros(count, np.int32), np.zeros((count, _WIDTH), np.int32), np.zeros((count, _WIDTH))
-        )._asdict().items():
+        faces, distances = np.zeros((count, _WIDTH), np.int32), np.zeros((count, _WIDTH))
+        fresh = Near(state.positions.copy(), np.full(count, -np.inf), np.zeros(count, np.int32), faces, distances, np.zeros(count))
+        for key, array in fresh._asdict().items():
             state.contact[f"{self.name}_{key}"] = array
         self._find_pairs(state)
 
@@ -277,14 +283,14 @@ class ContactBody:
         looked = np.zeros(len(state.positions), dtype=np.bool_)
         margin = max(_MARGIN, min(2.0 * reserve_m, self._most))
         near = self._near(state)
-        _look(self.surface, self._face_tree, state.positions, (reserve_m, self._reach, margin), near, looked)
+        _look(self.surface, self._face_tree, state.positions, (reserve_m, self._reach, margin), self.grip.rise, near, looked)
         while (most := int(near.found.max())) > near.faces.shape[1]:
             near.allowance[near.found > near.faces.shape[1]] = -np.inf
             for key in ("faces", "distances"):
                 old = getattr(near, key)
                 state.contact[f"{self.name}_{key}"] = np.concatenate([old, np.zeros((len(old), most - old.shape[1]), old.dtype)], axis=1)
             near = self._near(state)
-            _look(self.surface, self._face_tree, state.positions, (reserve_m, self._reach, margin), near, looked)
+            _look(self.surface, self._face_tree, state.positions, (reserve_m, self._reach, margin), self.grip.rise, near, looked)
         home = state.contact[f"{self.name}_pair_home"]
         if farthest(state.positions, home[: len(state.positions)]) + reserve_m <= float(state.contact[f"{self.name}_pair_margin"][0]):
             return bool(looked.any())

@@ -309,7 +309,8 @@ def keep_apart(
 ) -> tuple[float, int]:
     """Correct velocities (P,3) in place so that the pairs keep their gaps over the step, or come back to them gently.
 
-    stand: room, see `room_for`; friction_factor multiplies the pairs' coefficients. Returns the work of friction (J, negative) and the number of pairs that the fail-safe could not stop.
+    stand: room, see `room_for`; friction_factor multiplies the pairs' coefficients. Returns the work of friction (J, negative) and the number of
+    pairs that the fail-safe could not stop.
     """
     count = len(pairs.nodes)
     if count == 0:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
+from garmentcad.analysis.carried import SIDES
 from garmentcad.analysis.ease import GIRTHS
 from garmentcad.analysis.measures import Measures
 from garmentcad.analysis.run_record import RunRecord
@@ -54,6 +55,7 @@ def build_report(record: RunRecord, measures: Measures) -> dict[str, Any]:
         "particles": measures.particles,
         "triangles": measures.triangles,
         "panels": measures.panels,
+        "mass_kg": measures.mass_kg,
         "seams": record.seams,
         "welds": record.welds,
         "steps": record.steps,
@@ -74,6 +76,8 @@ def build_report(record: RunRecord, measures: Measures) -> dict[str, Any]:
         "ease_level_mm": {name: None if ease is None else ease.level_mm for name, ease in eases.items()},
         "hem_height_mm": None if hem is None else hem.mean_mm,
         "hem_range_mm": {"min": None if hem is None else hem.low_mm, "max": None if hem is None else hem.high_mm},
+        "waist_drop_mm": None if measures.carried is None else measures.carried.waist_drop_mm,
+        "armhole_to_shoulder_mm": dict.fromkeys(SIDES) if measures.carried is None else measures.carried.armhole_to_shoulder_mm,
         "pressure_kpa": measures.pressure_kpa,
         "energy_j": _ordered("energy_j", record.energy_j),
         "uncalibrated": record.uncalibrated,
@@ -110,6 +114,11 @@ def report_table(report: Mapping[str, Any]) -> Table:
     if report["hem_height_mm"] is not None:
         span = report["hem_range_mm"]
         table.add_row("hem height", f"{report['hem_height_mm']:.0f} mm ({span['min']:.0f} to {span['max']:.0f})")
+    if report["waist_drop_mm"] is not None:
+        table.add_row("waist", f"{report['waist_drop_mm']:+.1f} mm below where it was placed")
+    reach = [value for value in report["armhole_to_shoulder_mm"].values() if value is not None]
+    if reach:
+        table.add_row("armholes", f"{' and '.join(f'{value:.1f}' for value in reach)} mm from the shoulder points")
     for axis, values in report["strain_percent"].items():
         table.add_row(f"strain {axis}", f"median {_show(values['p50'])} %, p99 {_show(values['p99'])} %, max {_show(values['max'])} %")
     table.add_row("trellis angle", f"p99 {_show(report['trellis_deg']['p99'])}°, {_show(report['trellis_deg']['over_8_percent'])} % of the area over 8°")

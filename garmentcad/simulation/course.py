@@ -29,7 +29,8 @@ SOFTNESS = 8.0
 STIFFEN_S = 0.3
 # No part of a garment that is being dressed goes faster than this; what a weld or a snap sets free would. At a step of 0.1 ms it is 1 % of 10 mm.
 SPEED_CAP_M_S = 1.0
-SETTLE_DRAG = 7.0
+# Critical damping of the slowest mode, about 5 rad/s, would be 10/s; faster modes are damped at half this rate.
+SETTLE_DRAG = 12.0
 WATCH_DRAG = 1.0
 WATCH_S = 0.3
 # Below this RMS speed a movement is not called growing: 1 mm/s for 0.3 s is a third of a millimetre.

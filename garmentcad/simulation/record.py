@@ -18,11 +18,11 @@ from garmentcad.analysis.pressure import contact_pressure
 from garmentcad.analysis.run_record import RunRecord, Status
 from garmentcad.analysis.tributary import particle_areas
 from garmentcad.fabric.sheet import is_calibrated
+from garmentcad.placement.place import place_vertices
 from garmentcad.simulation.run import WIDEST_WELD_MM, Outcome
 from garmentcad.solve.rest import patches, residual
 
 LIBRARIES = ("numpy", "scipy", "numba", "trimesh", "shapely")
-HEM = "hem"
 # Contact keeps at least this gap to the body; the sheet's half thickness where that is more.
 LEAST_GAP_M = 1e-3
 
@@ -87,7 +87,12 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
         uncalibrated=not all(is_calibrated(completed.sheet) for completed in job.fabrics.values()),
         warnings=(*outcome.warnings, *findings),
     )
-    hems = [f"{panel.name}.{edge.name}" for panel in job.pattern.panels.values() for edge in panel.edges if edge.role == HEM]
+    roles: dict[str, list[str]] = {}
+    for panel in job.pattern.panels.values():
+        for edge in panel.edges:
+            key = f"{panel.name}.{edge.name}"  # once, where darts cut it into pieces
+            if edge.role is not None and key not in roles.setdefault(edge.role, []):
+                roles[edge.role].append(key)
     pressure = None
     if finite:
         distance = signed_distances(state.positions, body.vertices, body.faces)
@@ -96,7 +101,7 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
         normal = Trimesh(body.vertices, body.faces, process=False).vertex_normals[nearest]
         gap = max(LEAST_GAP_M, 0.5 * float(outcome.materials.thickness.max()))
         pressure = contact_pressure(outcome.dynamics.net_forces(state), normal, distance, gap, particle_areas(cloth))
-    return made, measure(cloth, state.positions, outcome.materials, body, hems, pressure)
+    return made, measure(cloth, state.positions, outcome.materials, body, roles, place_vertices(job.pattern, cloth, body), pressure)
 
 
 def _sum(energy: dict[str, float], *names: str) -> float | None:

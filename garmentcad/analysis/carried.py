@@ -1,0 +1,46 @@
+"""Does the garment sit where it was put? How far the waist came down from where it was placed, and how far the armholes are from the shoulders."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from garmentcad.cloth.cloth import Cloth
+from garmentcad.mannequin.mannequin import Mannequin
+from garmentcad.units import M_TO_MM
+
+WAIST, ARMHOLE = "waist", "armhole"
+SIDES = ("left", "right")
+
+
+@dataclass(frozen=True)
+class Carried:
+    """waist_drop_mm: mean height at which edges with the role `waist` were placed minus where they hang (positive: slid down), None without such edges.
+    armhole_to_shoulder_mm: {left, right}: distance of the body's shoulder point from the nearest edge with the role `armhole` on that side, or None."""
+
+    waist_drop_mm: float | None
+    armhole_to_shoulder_mm: dict[str, float | None]
+
+
+def carried(cloth: Cloth, placed: np.ndarray, positions: np.ndarray, mannequin: Mannequin, roles: Mapping[str, Sequence[str]]) -> Carried:
+    """placed: (V,3) m of the vertices before sewing; positions: (P,3) m of the particles; roles: role -> keys of `Cloth.edge_vertices`."""
+    drop = None
+    if keys := roles.get(WAIST):
+        vertices = np.concatenate([cloth.edge_vertices[key] for key in keys])
+        drop = M_TO_MM * float((placed[vertices, 1] - positions[cloth.vertex_particle[vertices], 1]).mean())
+    apart: dict[str, float | None] = dict.fromkeys(SIDES)
+    for side in SIDES:
+        point = mannequin.landmarks.get(f"shoulder_point_{side}")
+        if point is not None and (keys := roles.get(ARMHOLE)):
+            apart[side] = M_TO_MM * min(_distance(point, positions[cloth.vertex_particle[cloth.edge_vertices[key]]]) for key in keys)
+    return Carried(drop, apart)
+
+
+def _distance(point: np.ndarray, line: np.ndarray) -> float:
+    """Of a point from a polyline (N,3), m."""
+    start, way = line[:-1], np.diff(line, axis=0)
+    square = np.maximum((way**2).sum(axis=1), 1e-30)
+    share = np.clip(((point - start) * way).sum(axis=1) / square, 0.0, 1.0)
+    return float(np.linalg.norm(start + share[:, None] * way - point, axis=1).min())
