@@ -10,7 +10,7 @@ from garmentcad.cloth.state import State
 from garmentcad.cloth.weld import weld
 from garmentcad.errors import TangledError
 from garmentcad.io.mannequin_file import read_mannequin
-from garmentcad.simulation.sewing import weld_state
+from garmentcad.simulation.sewing import Welding, weld_state
 from garmentcad.simulation.start import refuse_tangled
 
 
@@ -41,3 +41,14 @@ def test_start_inside_the_body_or_through_another_panel_is_refused() -> None:
     crossing[second] = middle + np.column_stack([u, np.full_like(u, 1e-4), v])
     with pytest.raises(TangledError, match=" x "):
         refuse_tangled(flat, crossing, body)
+
+
+def test_a_seam_that_did_not_close_is_said_and_survives_a_checkpoint() -> None:
+    welding = Welding({"side": 0.4, "cap": 8.125, "waist": 1.2}, 0.02, ("side", "waist"))
+    assert welding.open_seams == [
+        "seam 'cap' did not close: it was welded across 8.1 mm (at most 1 mm is a closed seam)",
+        "seam 'waist' did not close: it was welded across 1.2 mm (at most 1 mm is a closed seam)",
+    ]
+    assert welding.conflicting == ["waist"]
+    assert Welding.of_run({"phase_from_s": 1.0} | welding.as_run()) == welding
+    assert Welding.of_run({}) == Welding()

@@ -19,7 +19,7 @@ from garmentcad.analysis.run_record import RunRecord, Status
 from garmentcad.analysis.tributary import particle_areas
 from garmentcad.fabric.sheet import is_calibrated
 from garmentcad.placement.place import place_vertices
-from garmentcad.simulation.run import WIDEST_WELD_MM, Outcome
+from garmentcad.simulation.run import Outcome
 from garmentcad.solve.rest import patches, residual
 
 LIBRARIES = ("numpy", "scipy", "numba", "trimesh", "shapely")
@@ -43,7 +43,7 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
     elif status == "converged":
         status = "diverged"
     outcome.dynamics.set_inverse_masses(outcome.dynamics.true_inverse_masses)
-    widest = max(outcome.seam_gap_mm.values(), default=None)
+    widest = max(outcome.welding.gap_mm.values(), default=None)
     kinetic, fastest, rms = outcome.dynamics.measures(state)
     left = residual(outcome.dynamics, state, patches(cloth)).rms_g if finite else None
     energy = outcome.dynamics.forces.energy(state.positions) if finite else {}
@@ -66,12 +66,7 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
         simulated_time_s=state.time_s,
         wall_time_s={**outcome.wall_s, "total": sum(outcome.wall_s.values()), **outcome.seconds},
         rest={"max_speed_m_s": fastest, "rms_speed_m_s": rms, "kinetic_j_per_kg": kinetic / float(cloth.masses.sum()), "residual_g_rms": left},
-        # Rows that repeat others conflict only where they did not close together.
-        constraints={
-            "max_gap_mm": widest,
-            "max_speed_m_s": None,
-            "conflicting": [name for name in outcome.redundant if outcome.seam_gap_mm.get(name, 0.0) > WIDEST_WELD_MM],
-        },
+        constraints={"max_gap_mm": widest, "max_speed_m_s": outcome.welding.speed_m_s, "conflicting": outcome.welding.conflicting},
         seam_gap_mm=widest,
         mannequin_penetration_mm=depth,
         self_intersections=crossings,
@@ -82,7 +77,7 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
             "bend": _sum(energy, "bend", "twist", "hinge"),
             "gravity": energy.get("gravity"),
             "friction_work": state.work_j["friction"],
-            "damping_work": None,  # not measured yet
+            "damping_work": None,  # drape mode changes masses and stiffness on the way: its damping is no energy of the cloth
         },
         uncalibrated=not all(is_calibrated(completed.sheet) for completed in job.fabrics.values()),
         warnings=(*outcome.warnings, *findings),

@@ -32,7 +32,7 @@ from garmentcad.simulation.checkpoint import load_state, save_state
 from garmentcad.simulation.course import CLOSING_DRAG, SOFTNESS, Course, Progress
 from garmentcad.simulation.job import Job
 from garmentcad.simulation.materials import lay_out
-from garmentcad.simulation.sewing import close_seams, weld_state
+from garmentcad.simulation.sewing import Welding, close_seams, weld_state
 from garmentcad.simulation.start import refuse_tangled
 from garmentcad.solve.dynamics import DivergedError, Dynamics
 from garmentcad.solve.strain_limit import StrainLimit
@@ -40,7 +40,6 @@ from garmentcad.solve.strain_limit import StrainLimit
 JITTER_M = 1e-5  # of the start, so that no fold is decided by round-off
 MAX_PARTICLES = 1_000_000
 CHECKPOINT_EVERY_S = 20.0
-WIDEST_WELD_MM = 1.0  # a seam that was wider open when it was welded did not close
 
 
 class Interrupted(GarmentError):
@@ -57,12 +56,10 @@ class Outcome:
     dynamics: Dynamics
     state: State
     status: str
-    seam_gap_mm: dict[str, float]
-    redundant: tuple[str, ...]
+    welding: Welding
     wall_s: dict[str, float]
     seconds: dict[str, float]
     warnings: list[str] = field(default_factory=list)
-    sewn_positions: np.ndarray | None = None  # (P,3) at the instant of welding; None after a resume that began later
 
 
 def check_size(job: Job) -> None:
@@ -86,9 +83,6 @@ def run(job: Job, look: Callable[[Progress], None], checkpoint: Path | None = No
     welded, particle_map = weld(flat)
     state = load_state(checkpoint, job.identity) if resume and checkpoint is not None else None
     seconds: dict[str, float] = {}
-    gaps: dict[str, float] = {}
-    redundant: tuple[str, ...] = ()
-    sewn = None
     with _stop_signal() as stopped:
         keep = _Keeper(job, checkpoint, look, stopped)
         if state is None or state.phase == "close":
@@ -99,16 +93,14 @@ def run(job: Job, look: Callable[[Progress], None], checkpoint: Path | None = No
             setup = time.perf_counter() - began
             keep.state = state
             try:
-                gaps = close_seams(dynamics, state, keep)
+                welding = close_seams(dynamics, state, keep)
             except DivergedError as error:
-                return Outcome(job, flat, materials, dynamics, state, "diverged", gaps, (), {"setup": setup, "drape": time.perf_counter() - began - setup},
+                return Outcome(job, flat, materials, dynamics, state, "diverged", Welding(), {"setup": setup, "drape": time.perf_counter() - began - setup},
                                dynamics.seconds, [str(error)])  # fmt: skip
-            redundant = dynamics.redundant
             seconds = dynamics.seconds
             state = weld_state(flat, welded, particle_map, state)
-            sewn = state.positions.copy()
             state.phase = "fall"
-            state.run |= {"phase_from_s": state.time_s} | {f"gap_mm.{name}": gap for name, gap in gaps.items()}
+            state.run |= {"phase_from_s": state.time_s} | welding.as_run()
             dynamics, drag, forces_at = _dynamics(job, welded, materials, sewing=False)
             dynamics.start(state)
         else:
@@ -121,14 +113,13 @@ def run(job: Job, look: Callable[[Progress], None], checkpoint: Path | None = No
             status = course.run(state, keep)
         except DivergedError as error:
             status, warnings = "diverged", [str(error)]
-    gaps = {key.removeprefix("gap_mm."): value for key, value in state.run.items() if key.startswith("gap_mm.")}
-    for name, gap in gaps.items():
-        if gap > WIDEST_WELD_MM:
-            warnings.append(f"seam '{name}' did not close: it was welded across {gap:.1f} mm (at most {WIDEST_WELD_MM:g} mm is a closed seam)")
-            status = "max_time" if status == "converged" else status
+    welding = Welding.of_run(state.run)
+    if welding.open_seams:
+        warnings += welding.open_seams
+        status = "max_time" if status == "converged" else status
     seconds = {kind: seconds.get(kind, 0.0) + spent for kind, spent in dynamics.seconds.items()}
     wall = {"setup": setup, "drape": time.perf_counter() - began - setup}
-    return Outcome(job, welded, materials, dynamics, state, status, gaps, redundant, wall, seconds, warnings, sewn)
+    return Outcome(job, welded, materials, dynamics, state, status, welding, wall, seconds, warnings)
 
 
 def _dynamics(job: Job, cloth: Cloth, materials: MaterialTable, sewing: bool) -> tuple[Dynamics, ForceDrag, Callable[[float], ForceAssembly]]:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -12,10 +13,46 @@ from garmentcad.constraints.points import ConstraintPoints, stitch_rows
 from garmentcad.simulation.course import CLOSED_M, CLOSING_CAP_S, CLOSING_PULL_N_M, CLOSING_RATE, SPEED_CAP_M_S, STEPS_PER_LOOK, Progress
 from garmentcad.solve.dynamics import Dynamics
 
+WIDEST_WELD_MM = 1.0  # a seam that was wider open when it was welded did not close
+_GAP, _SPEED, _REDUNDANT = "gap_mm.", "gap_speed_m_s", "redundant."
 
-def close_seams(dynamics: Dynamics, state: State, look: Callable[[Progress], None]) -> dict[str, float]:
-    """Pull the stitches of `dynamics.cloth` (without gravity) together until every gap is below CLOSED_M or the cap is reached. Returns the largest gap in mm
-    of each seam."""
+
+@dataclass(frozen=True)
+class Welding:
+    """The seams at the instant of welding. gap_mm: largest |C| by seam; speed_m_s: largest |C'| of a stitch; redundant: seams whose stitches repeat others.
+
+    It travels in `State.run`, so that a run resumed after welding reports the same.
+    """
+
+    gap_mm: Mapping[str, float] = field(default_factory=dict)
+    speed_m_s: float | None = None
+    redundant: tuple[str, ...] = ()
+
+    @property
+    def open_seams(self) -> list[str]:
+        """A sentence for each seam that did not close."""
+        bar = f"at most {WIDEST_WELD_MM:g} mm is a closed seam"
+        return [f"seam '{name}' did not close: it was welded across {gap:.1f} mm ({bar})" for name, gap in self.gap_mm.items() if gap > WIDEST_WELD_MM]
+
+    @property
+    def conflicting(self) -> list[str]:
+        """Redundant seams that did not close: rows that repeat others conflict only where they cannot all hold."""
+        return [name for name in self.redundant if self.gap_mm.get(name, 0.0) > WIDEST_WELD_MM]
+
+    def as_run(self) -> dict[str, float]:
+        """Entries of `State.run`."""
+        speed = {} if self.speed_m_s is None else {_SPEED: self.speed_m_s}
+        return {f"{_GAP}{name}": gap for name, gap in self.gap_mm.items()} | speed | {f"{_REDUNDANT}{name}": 1.0 for name in self.redundant}
+
+    @classmethod
+    def of_run(cls, run: Mapping[str, float]) -> Welding:
+        """What `as_run` put there."""
+        gaps = {key.removeprefix(_GAP): value for key, value in run.items() if key.startswith(_GAP)}
+        return cls(gaps, run.get(_SPEED), tuple(key.removeprefix(_REDUNDANT) for key in run if key.startswith(_REDUNDANT)))
+
+
+def close_seams(dynamics: Dynamics, state: State, look: Callable[[Progress], None]) -> Welding:
+    """Pull the stitches of `dynamics.cloth` (without gravity) together until every gap is below CLOSED_M or the cap is reached."""
     cloth = dynamics.cloth
     names = tuple(cloth.seam_names[k] for k in cloth.stitch_seam)
     dynamics.constraint = ConstraintPoints(stitch_rows(cloth.stitches, names), dynamics.inverse_masses, CLOSING_RATE, CLOSING_PULL_N_M * cloth.spacing)
@@ -34,7 +71,8 @@ def close_seams(dynamics: Dynamics, state: State, look: Callable[[Progress], Non
     worst: dict[str, float] = {}
     for name, gap in zip(names, gaps, strict=True):
         worst[name] = max(worst.get(name, 0.0), float(gap) * 1e3)
-    return worst
+    speeds = np.linalg.norm(dynamics.constraint.speeds(state.velocities), axis=1)
+    return Welding(worst, float(speeds.max(initial=0.0)), dynamics.constraint.redundant)
 
 
 def weld_state(cloth: Cloth, welded: Cloth, particle_map: np.ndarray, state: State) -> State:

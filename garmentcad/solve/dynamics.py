@@ -69,11 +69,6 @@ class Dynamics:
         for contact in self.contacts:
             contact.set_friction(factor)
 
-    @property
-    def redundant(self) -> tuple[str, ...]:
-        """Names of constraints that repeat others."""
-        return () if self.constraint is None else self.constraint.redundant
-
     def start(self, state: State) -> None:
         """Prepare a fresh state: contacts allocate and detect."""
         for contact in self.contacts:
