@@ -8,6 +8,9 @@ Source: Witkin, Gleicher, Welch 1990 (dynamic constraints); Baumgarte 1972 (the 
 The correction is applied to velocities after the forces: what the multipliers add over one step is M^-1 J^T A^-1 (wanted C' - J v).
 C' is carried along as it was demanded, not as contact left it: a contact that stops one end would otherwise feed the force on the stopped end into the
 other end, step by step. A multiplier is a force and has a cap, so that a seam that cannot close does not tear the cloth.
+
+The last millimetres of an exponential decay are slow, and two ends that are pressed onto both flanks of a ridge of the body are driven apart faster than it
+demands: they would stand still before they meet. So a closing speed has a floor, until the way left is less than ten steps of it.
 """
 
 from __future__ import annotations
@@ -41,12 +44,12 @@ def stitch_rows(stitches: np.ndarray, names: tuple[str, ...]) -> PointRows:
 class ConstraintPoints:
     """All point constraints of a cloth, solved together at each step.
 
-    rate: closing rate r [1/s]; ks = r^2, and ks dt^2 must stay below 0.1. cap: largest force of a row [N].
+    rate: closing rate r [1/s]; ks = r^2, and ks dt^2 must stay below 0.1. cap: largest force of a row [N]. least_speed: floor of the closing speed [m/s].
     `redundant` names rows that repeat others (they are solved by least squares).
     """
 
-    def __init__(self, rows: PointRows, inverse_masses: np.ndarray, rate: float, cap: float = np.inf) -> None:
-        self.names, self.cap = rows.names, cap
+    def __init__(self, rows: PointRows, inverse_masses: np.ndarray, rate: float, cap: float = np.inf, least_speed: float = 0.0) -> None:
+        self.names, self.cap, self.least_speed = rows.names, cap, least_speed
         self.targets = rows.targets
         self.rate = rate
         self._jacobian: csr_matrix = coo_matrix((rows.weight, (rows.row, rows.particle)), shape=(len(rows.targets), len(inverse_masses))).tocsr()
@@ -91,7 +94,14 @@ class ConstraintPoints:
 
     def next_speeds(self, positions: np.ndarray, speeds: np.ndarray, time_step_s: float) -> np.ndarray:
         """Demanded C' (R,3) after this step, from the gaps and the demanded C' at its beginning."""
-        return (1.0 - 2.0 * self.rate * time_step_s) * speeds - self.rate**2 * time_step_s * self.gaps(positions)
+        gaps = self.gaps(positions)
+        speeds = (1.0 - 2.0 * self.rate * time_step_s) * speeds - self.rate**2 * time_step_s * gaps
+        if self.least_speed == 0.0:
+            return speeds
+        length = np.maximum(np.linalg.norm(gaps, axis=1), 1e-12)
+        toward = -gaps / length[:, None]
+        lacking = np.minimum(self.least_speed, 0.1 * length / time_step_s) - (speeds * toward).sum(axis=1)
+        return speeds + np.maximum(lacking, 0.0)[:, None] * toward
 
     def correct(self, velocities: np.ndarray, wanted: np.ndarray, time_step_s: float) -> None:
         """Add to velocities (P,3), in place, what the constraint forces of this step add."""

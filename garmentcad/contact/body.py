@@ -256,7 +256,6 @@ class ContactBody:
         self._point_tree = fitted_tree(self._body_points, self._nodes)
         self._edge_tree = fitted_tree(self._body_edges, self._nodes)
         self._work = np.zeros(count)
-        self._friction, self._friction_factor = self.grip.friction, 1.0
         self._stand: Stand | None = None
 
     def start(self, state: State) -> None:
@@ -272,11 +271,6 @@ class ContactBody:
         """See `Contact.set_inverse_masses`."""
         self.grip = self.grip._replace(inverse_masses=floats(inverse_masses))
         self._node_inverse[: len(inverse_masses)] = inverse_masses
-
-    def set_friction(self, factor: float) -> None:
-        """See `Contact.set_friction`."""
-        self._friction_factor = factor
-        self.grip = self.grip._replace(friction=floats(factor * self._friction))
 
     def detect(self, state: State, reserve_m: float) -> bool:
         """See `Contact.detect`: particles look again one by one, pairs of elements all together."""
@@ -304,7 +298,7 @@ class ContactBody:
         if len(pairs.nodes):
             self._nodes[:count], self._speeds[:count] = state.positions, state.velocities
             self._stand = room_for(pairs, self._stand)
-            work, unresolved = keep_apart(pairs, self._stand, self._nodes, self._speeds, self._node_inverse, self._friction_factor, time_step_s)
+            work, unresolved = keep_apart(pairs, self._stand, self._nodes, self._speeds, self._node_inverse, time_step_s)
             state.velocities[:] = self._speeds[:count]
             state.work_j["friction"] += work
             if unresolved:

@@ -35,7 +35,6 @@ class ContactCloth:
         self._gap = np.maximum(largest_around(cloth, materials.thickness), LEAST_GAP)
         self._friction = largest_around(cloth, materials.friction_cloth)
         self._stand: Stand | None = None
-        self._friction_factor = 1.0
         self._margin = _MARGIN * cloth.spacing
         self._most = 2.0 * cloth.spacing  # m, up to which a faster motion widens the margin; beyond it a run is lost anyway
         self._points = elements(np.unique(triangles), identity)
@@ -57,10 +56,6 @@ class ContactCloth:
         """See `Contact.set_inverse_masses`."""
         self.inverse_masses = floats(inverse_masses)
 
-    def set_friction(self, factor: float) -> None:
-        """See `Contact.set_friction`."""
-        self._friction_factor = factor
-
     def detect(self, state: State, reserve_m: float) -> bool:
         """See `Contact.detect`. Two parts come closer by at most twice the longest way."""
         if 2.0 * (farthest(state.positions, state.contact[f"{self.name}_pair_home"]) + reserve_m) <= float(state.contact[f"{self.name}_pair_margin"][0]):
@@ -72,9 +67,7 @@ class ContactCloth:
         """See `Contact.respond`. `state.run["unresolved_contacts"]` counts the pairs that the fail-safe could not stop."""
         pairs = load_pairs(state, self.name)
         self._stand = room_for(pairs, self._stand)
-        work, unresolved = keep_apart(
-            pairs, self._stand, state.positions, state.velocities, self.inverse_masses, self._friction_factor, time_step_s
-        )
+        work, unresolved = keep_apart(pairs, self._stand, state.positions, state.velocities, self.inverse_masses, time_step_s)
         state.work_j["friction"] += work
         if unresolved:
             state.run["unresolved_contacts"] = state.run.get("unresolved_contacts", 0.0) + unresolved

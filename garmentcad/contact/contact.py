@@ -21,9 +21,6 @@ class Contact(Protocol):
     def set_inverse_masses(self, inverse_masses: np.ndarray) -> None:
         """Inertia (P,) 1/kg that shares impulses between particles from now on; 0 for a particle that contact must not move."""
 
-    def set_friction(self, factor: float) -> None:
-        """Multiply the coefficients of friction by this from now on; 0 while a garment is being smoothed into place."""
-
     def detect(self, state: State, reserve_m: float) -> bool:
         """Look for candidates again where the way travelled since the last look plus `reserve_m` exceeds what that look covers.
 

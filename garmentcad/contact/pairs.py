@@ -168,12 +168,11 @@ def _push(velocities, inverse_masses, nodes, weights, impulse):  # type: ignore[
 
 
 @kernel
-def _solve(pairs, stand, chosen, inverse_masses, factors, impulses, velocities):  # type: ignore[no-untyped-def]
+def _solve(pairs, stand, chosen, inverse_masses, time_step, impulses, velocities):  # type: ignore[no-untyped-def]
     """Sweeps of inelastic impulses with Coulomb friction over the `chosen` pairs, in their order; impulses (C,4): along the normal, and friction.
 
-    factors: what the coefficients of friction are multiplied by, and the time step, s. Returns the work of friction on the nodes, J.
+    Returns the work of friction on the nodes, J.
     """
-    friction_factor, time_step = factors
     for _ in range(_SWEEPS):
         largest = 0.0
         for c in range(len(chosen)):
@@ -198,7 +197,7 @@ def _solve(pairs, stand, chosen, inverse_masses, factors, impulses, velocities):
             slide = along(speed, normal, -dot(speed, normal))
             held = (impulses[c, 1], impulses[c, 2], impulses[c, 3])
             goal = minus(held, (slide[0] / give, slide[1] / give, slide[2] / give))
-            size, limit = math.sqrt(dot(goal, goal)), friction_factor * pairs.friction[n] * impulses[c, 0]
+            size, limit = math.sqrt(dot(goal, goal)), pairs.friction[n] * impulses[c, 0]
             if size > limit:
                 goal = (goal[0] * limit / size, goal[1] * limit / size, goal[2] * limit / size)
             change = minus(goal, held)
@@ -305,19 +304,18 @@ def room_for(pairs: Pairs, stand: Stand | None) -> Stand:
 
 
 def keep_apart(
-    pairs: Pairs, stand: Stand, positions: np.ndarray, velocities: np.ndarray, inverse_masses: np.ndarray, friction_factor: float, time_step: float
+    pairs: Pairs, stand: Stand, positions: np.ndarray, velocities: np.ndarray, inverse_masses: np.ndarray, time_step: float
 ) -> tuple[float, int]:
     """Correct velocities (P,3) in place so that the pairs keep their gaps over the step, or come back to them gently.
 
-    stand: room, see `room_for`; friction_factor multiplies the pairs' coefficients. Returns the work of friction (J, negative) and the number of
-    pairs that the fail-safe could not stop.
+    stand: room, see `room_for`. Returns the work of friction (J, negative) and the number of pairs that the fail-safe could not stop.
     """
     count = len(pairs.nodes)
     if count == 0:
         return 0.0, 0
     _take_stand(pairs, positions, velocities, 2.0 * longest(velocities) * time_step, time_step, stand)
     chosen = np.flatnonzero(stand.active[:count])
-    work = _solve(pairs, stand, chosen, inverse_masses, (friction_factor, time_step), np.zeros((len(chosen), 4)), velocities) if len(chosen) else 0.0
+    work = _solve(pairs, stand, chosen, inverse_masses, time_step, np.zeros((len(chosen), 4)), velocities) if len(chosen) else 0.0
     near = np.flatnonzero(stand.distance[:count] * (1.0 - _KEPT) < 2.0 * longest(velocities) * time_step)
     return work, _stop(pairs, stand, near, inverse_masses, positions, time_step, velocities) if len(near) else 0
 

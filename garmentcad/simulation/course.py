@@ -15,8 +15,9 @@ from garmentcad.solve.dynamics import STEPS_PER_ESTIMATE, Dynamics
 from garmentcad.solve.rest import Residual, patches, residual
 
 STEPS_PER_LOOK = 2 * STEPS_PER_ESTIMATE  # a phase begins with a fresh time step
-CLOSED_M = 0.8e-3  # seams are welded below this gap (the report's bar is 1 mm)
+CLOSED_M = 0.1e-3  # seams are welded below this gap
 CLOSING_RATE = 14.0  # 1/s, of the dynamic constraints
+CLOSING_LEAST_M_S = 0.05
 CLOSING_PULL_N_M = 100.0  # per length of seam, at most: a fifth of what the tensile tester pulls
 CLOSING_DRAG = 12.0  # 1/s
 CLOSING_CAP_S = 4.0
@@ -29,8 +30,8 @@ SOFTNESS = 8.0
 STIFFEN_S = 0.3
 # No part of a garment that is being dressed goes faster than this; what a weld or a snap sets free would. At a step of 0.1 ms it is 1 % of 10 mm.
 SPEED_CAP_M_S = 1.0
-# Critical damping of the slowest mode, about 5 rad/s, would be 10/s; faster modes are damped at half this rate.
-SETTLE_DRAG = 12.0
+# Critical for a mode of 4 rad/s, about the slowest of a skirt; faster modes decay at half this rate.
+SETTLE_DRAG = 8.0
 WATCH_DRAG = 1.0
 WATCH_S = 0.3
 # Below this RMS speed a movement is not called growing: 1 mm/s for 0.3 s is a third of a millimetre.
@@ -82,8 +83,6 @@ class Course:
         # Once watched, a run keeps its true masses: each change of masses shifts what rests on the body by a little, and the residual with it.
         dynamics.equalise = self.mode == "drape" and "watched" not in state.run
         drags = {"fall": FALL_DRAG, "settle": SETTLE_DRAG, "watch": WATCH_DRAG}
-        # A wearer smooths a garment down: it falls without friction, and what holds it up at rest is its shape first. Then friction is there and true.
-        dynamics.set_friction(0.0 if self.mode == "drape" and state.phase == "fall" else 1.0)
         dynamics.speed_cap_m_s = SPEED_CAP_M_S if self.mode == "drape" else math.inf
         softness = 1.0
         if self.mode == "drape" and state.phase == "fall":

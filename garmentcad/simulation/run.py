@@ -123,7 +123,7 @@ def run(job: Job, look: Callable[[Progress], None], checkpoint: Path | None = No
 
 
 def _dynamics(job: Job, cloth: Cloth, materials: MaterialTable, sewing: bool) -> tuple[Dynamics, ForceDrag, Callable[[float], ForceAssembly]]:
-    """The stepper, its drag, and its forces at a softness. While sewing there is no weight."""
+    """The stepper, its drag, and its forces at a softness. While sewing there is neither weight nor friction: seams slide to where they close."""
     drag = ForceDrag(cloth.masses, CLOSING_DRAG)
     body_forces: list[BodyForce] = [drag] if sewing else [ForceGravity(cloth.masses), drag]
 
@@ -131,7 +131,10 @@ def _dynamics(job: Job, cloth: Cloth, materials: MaterialTable, sewing: bool) ->
         softer = materials._replace(tension_force=materials.tension_force / softness, tension_slope=materials.tension_slope / softness)
         return ForceAssembly(internal_forces(cloth, softer), cloth.particle_count, body_forces)
 
-    contacts: list[Contact] = [ContactCloth(cloth, materials), ContactBody(job.mannequin.vertices, job.mannequin.faces, cloth, materials)]
+    touch = materials
+    if sewing:
+        touch = materials._replace(friction_body=0.0 * materials.friction_body, friction_cloth=0.0 * materials.friction_cloth)
+    contacts: list[Contact] = [ContactCloth(cloth, touch), ContactBody(job.mannequin.vertices, job.mannequin.faces, cloth, touch)]
     forces = forces_at(SOFTNESS if sewing and job.mode == "drape" else 1.0)
     return Dynamics(cloth, forces, StrainLimit(cloth, materials), contacts), drag, forces_at
 

@@ -10,7 +10,7 @@ import numpy as np
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.state import State
 from garmentcad.constraints.points import ConstraintPoints, stitch_rows
-from garmentcad.simulation.course import CLOSED_M, CLOSING_CAP_S, CLOSING_PULL_N_M, CLOSING_RATE, SPEED_CAP_M_S, STEPS_PER_LOOK, Progress
+from garmentcad.simulation.course import CLOSED_M, CLOSING_CAP_S, CLOSING_LEAST_M_S, CLOSING_PULL_N_M, CLOSING_RATE, SPEED_CAP_M_S, STEPS_PER_LOOK, Progress
 from garmentcad.solve.dynamics import Dynamics
 
 WIDEST_WELD_MM = 1.0  # a seam that was wider open when it was welded did not close
@@ -55,11 +55,11 @@ def close_seams(dynamics: Dynamics, state: State, look: Callable[[Progress], Non
     """Pull the stitches of `dynamics.cloth` (without gravity) together until every gap is below CLOSED_M or the cap is reached."""
     cloth = dynamics.cloth
     names = tuple(cloth.seam_names[k] for k in cloth.stitch_seam)
-    dynamics.constraint = ConstraintPoints(stitch_rows(cloth.stitches, names), dynamics.inverse_masses, CLOSING_RATE, CLOSING_PULL_N_M * cloth.spacing)
+    pull = CLOSING_PULL_N_M * cloth.spacing
+    dynamics.constraint = ConstraintPoints(stitch_rows(cloth.stitches, names), dynamics.inverse_masses, CLOSING_RATE, pull, CLOSING_LEAST_M_S)
     if len(state.constraint_speeds) == 0:
         state.constraint_speeds = np.zeros((len(cloth.stitches), 3))
     dynamics.equalise = True
-    dynamics.set_friction(0.0)  # seams slide to where they close
     dynamics.speed_cap_m_s = SPEED_CAP_M_S
     while True:
         gaps = np.linalg.norm(dynamics.constraint.gaps(state.positions), axis=1)

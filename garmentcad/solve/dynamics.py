@@ -64,11 +64,6 @@ class Dynamics:
         if self.constraint is not None:
             self.constraint.set_inverse_masses(inverse_masses)
 
-    def set_friction(self, factor: float) -> None:
-        """Multiply the friction of all contacts of the next steps, 0 for none."""
-        for contact in self.contacts:
-            contact.set_friction(factor)
-
     def start(self, state: State) -> None:
         """Prepare a fresh state: contacts allocate and detect."""
         for contact in self.contacts:
