@@ -10,6 +10,7 @@ from __future__ import annotations
 import hashlib
 import os
 import re
+import shutil
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -18,9 +19,14 @@ from typing import Any
 # machine; one that spins for long costs milliseconds on a busy one. Read when the first parallel kernel starts.
 os.environ.setdefault("GOMP_SPINCOUNT", "10000")
 
+import llvmlite.binding as llvm
 import numpy as np
 from numba import njit
 from numba.core import caching
+
+# Loops over many arrays use wide instructions only where the compiler may check at run time that the arrays do not overlap; by default it gives up after a few.
+for _option in ("-runtime-memory-check-threshold=4000", "-vectorize-memory-check-threshold=4000", "-memory-check-merge-threshold=4000"):
+    llvm.set_option("garmentcad", _option)
 
 _PACKAGE = Path(__file__).resolve().parent
 _IMPORT = re.compile(r"^\s*from\s+(garmentcad[\w.]*)\s+import\s+\(?([^()\n#]*(?:\([^)]*\))?)|^\s*import\s+(garmentcad[\w.]*)", re.MULTILINE)
@@ -72,7 +78,12 @@ class _ClosureLocator(caching._CacheLocator):
         self._file = Path(py_file).resolve()
         self._line = py_func.__code__.co_firstlineno
         name = str(self._file.relative_to(_PACKAGE).with_suffix("")).replace(os.sep, ".")
-        self._folder = cache_folder() / hashlib.sha256(str(_PACKAGE).encode()).hexdigest()[:12] / name
+        # One folder a stamp: numba would unpickle an old index before it looks at the stamp, and fail where a type in it is gone.
+        home = cache_folder() / hashlib.sha256(str(_PACKAGE).encode()).hexdigest()[:12] / name
+        self._folder = home / _closure_stamp(self._file)[:16]
+        for stale in home.glob("*") if not self._folder.exists() else ():
+            if stale != self._folder:
+                shutil.rmtree(stale, ignore_errors=True)
 
     def get_cache_path(self) -> str:
         return str(self._folder)

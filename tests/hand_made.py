@@ -90,6 +90,7 @@ def rectangles(columns: int, rows: int, spacing_m: float, panels: int, sewn: boo
         vertex_panel=frozen(indices(np.repeat(np.arange(panels), per_panel))),
         vertex_particle=frozen(indices(to_particle)),
         vertex_on_contour=on_contour.ravel(),
+        vertex_place=np.full((len(uv), 2), -1, dtype=np.int32),
         masses=frozen(floats(masses)),
         links=Links(
             indices(ends),

@@ -118,6 +118,7 @@ def small_cloth() -> Cloth:
         vertex_panel=frozen(np.zeros(len(uv), dtype=np.int32)),
         vertex_particle=frozen(everyone),
         vertex_on_contour=everyone >= COLUMNS * ROWS,
+        vertex_place=indices(np.vstack([np.stack(np.meshgrid(np.arange(COLUMNS), np.arange(ROWS)), axis=-1).reshape(-1, 2), np.full((ROWS + 1, 2), -1)])),
         masses=frozen(floats(masses)),
         links=links,
         cells=cells,

@@ -18,8 +18,7 @@ from garmentcad.cloth.lattice import rectangle_cloth
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.border import ForceBorder
-from garmentcad.forces.shear import ForceShear
-from garmentcad.forces.stretch import ForceStretch
+from garmentcad.forces.lattice import ForceLattice
 
 numba.set_num_threads(1)  # hundreds of small solves
 
@@ -52,7 +51,7 @@ class Strip:
     def __init__(self, width_mm: float, height_mm: float, grid_mm: float, angle_deg: float, origin_mm: tuple[float, float] | None = None) -> None:
         materials = linear_material()
         self.cloth: Cloth = rectangle_cloth(width_mm, height_mm, grid_mm, angle_deg, materials, origin_mm=origin_mm)
-        forces = [force for force in (f(self.cloth, materials) for f in (ForceStretch, ForceShear, ForceBorder)) if len(force.corners)]
+        forces = [ForceLattice(self.cloth, materials, ("stretch", "shear")), ForceBorder(self.cloth, materials)]
         self.assembly = ForceAssembly(forces, self.cloth.particle_count)
         self.rest = np.column_stack([self.cloth.vertex_uv_mm / 1000.0, np.zeros(self.cloth.particle_count)])
         self.bottom, self.top = self.cloth.edge_vertices["rectangle.bottom"], self.cloth.edge_vertices["rectangle.top"]

@@ -9,7 +9,7 @@ import pytest
 from force_checks import particle_forces
 from small_cloth import COLUMNS, ROWS, H, flat, materials, small_cloth
 
-from garmentcad.forces.shear import ForceShear
+from garmentcad.forces.lattice import ForceLattice
 
 CLOTH = small_cloth()
 MATERIALS = materials()._replace(shear=np.array([45.0, 45.0]))
@@ -24,7 +24,7 @@ def trellis(gamma: float) -> np.ndarray:
 @pytest.mark.parametrize("degrees", [-60.0, -2.5, 1e-7, 0.5, 8.0, 75.0])
 def test_energy_and_shear_force(degrees: float) -> None:
     gamma = math.radians(degrees)
-    force = ForceShear(CLOTH, MATERIALS)
+    force = ForceLattice(CLOTH, MATERIALS, ("shear",))
     area = (COLUMNS - 1) * (ROWS - 1) * H * H
     assert force.energy(trellis(gamma)) == pytest.approx(0.5 * 45.0 * gamma**2 * area, rel=1e-7)
     forces = particle_forces(force, trellis(gamma))
@@ -37,4 +37,4 @@ def test_energy_and_shear_force(degrees: float) -> None:
 
 def test_collapsed_cells_are_finite() -> None:
     for positions in (np.zeros((CLOTH.particle_count, 3)), flat(CLOTH) * [1.0, 0.0, 0.0], trellis(math.pi / 2)):
-        assert np.isfinite(particle_forces(ForceShear(CLOTH, MATERIALS), positions)).all()
+        assert np.isfinite(particle_forces(ForceLattice(CLOTH, MATERIALS, ("shear",)), positions)).all()

@@ -11,26 +11,29 @@ from small_cloth import deformed, flat, materials, rotation, small_cloth
 
 from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.internal import internal_forces
+from garmentcad.forces.lattice import ForceLattice
 from garmentcad.forces.time_step import largest_stable_time_step
 
 CLOTH = small_cloth()
 CLOTH = replace(CLOTH, hinges=CLOTH.hinges._replace(rest_angle=np.zeros(len(CLOTH.hinges.rest_angle))))
 FORCES = {force.name: force for force in internal_forces(CLOTH, materials())}
+DAMPING_TIME = FORCES["border"].damping_time  # type: ignore[attr-defined]
+LAWS = FORCES | {f"lattice {law}": ForceLattice(CLOTH, materials(), (law,), DAMPING_TIME) for law in ForceLattice.LAWS}
 
 
-@pytest.mark.parametrize("name", FORCES)
+@pytest.mark.parametrize("name", LAWS)
 @pytest.mark.parametrize("seed", range(3))
 def test_rigid_displacement_gives_no_force(name: str, seed: int) -> None:
-    force = FORCES[name]
+    force = LAWS[name]
     moved = flat(CLOTH) @ rotation(seed).T
-    scale = corner_scale(force, deformed(CLOTH, "stretched")) if name in ("stretch", "border") else corner_scale(force, deformed(CLOTH, "folded"))
+    scale = corner_scale(force, deformed(CLOTH, "stretched")) if name in ("lattice stretch", "border") else corner_scale(force, deformed(CLOTH, "folded"))
     assert np.abs(particle_forces(force, moved)).max() < 1e-12 * scale
 
 
-@pytest.mark.parametrize("name", FORCES)
+@pytest.mark.parametrize("name", LAWS)
 @pytest.mark.parametrize("kind", ["wavy", "stretched", "sheared"])
 def test_rigid_velocity_gives_no_damping(name: str, kind: str) -> None:
-    force = FORCES[name]
+    force = LAWS[name]
     positions = deformed(CLOTH, kind)
     positions -= positions.mean(axis=0)
     still = particle_forces(force, positions)
@@ -38,13 +41,13 @@ def test_rigid_velocity_gives_no_damping(name: str, kind: str) -> None:
     assert np.abs(particle_forces(force, positions, rigid) - still).max() < 1e-12 * corner_scale(force, positions)
 
 
-@pytest.mark.parametrize("name", ["stretch", "shear", "border"])
+@pytest.mark.parametrize("name", ["lattice stretch", "lattice shear", "border"])
 def test_damping_is_felt_otherwise(name: str) -> None:
     positions = deformed(CLOTH, "wavy")
     velocities = np.random.default_rng(0).normal(size=positions.shape)
-    damping = particle_forces(FORCES[name], positions, velocities) - particle_forces(FORCES[name], positions)
+    damping = particle_forces(LAWS[name], positions, velocities) - particle_forces(LAWS[name], positions)
     assert np.sum(damping * velocities) < 0.0
-    assert np.abs(damping).max() > 1e-5 * corner_scale(FORCES[name], positions)
+    assert np.abs(damping).max() > 1e-5 * corner_scale(LAWS[name], positions)
     # momentum and angular momentum are kept by the damping too
     centred = positions - positions.mean(axis=0)
     assert np.abs(damping.sum(axis=0)).max() < 1e-12 * np.abs(damping).max()

@@ -109,6 +109,7 @@ class Cloth:
     vertex_panel: np.ndarray  # (V,) int32
     vertex_particle: np.ndarray  # (V,) int32
     vertex_on_contour: np.ndarray  # (V,) bool
+    vertex_place: np.ndarray  # (V,2) int32 lattice column (along weft) and row (along warp) on the panel, from 0; -1 for contour vertices
     masses: np.ndarray  # (P,) kg
     links: Links
     cells: Cells

@@ -85,6 +85,7 @@ def build_cloth(
         vertex_panel=frozen(indices(np.repeat(np.arange(len(parts)), sizes))),
         vertex_particle=frozen(indices(np.arange(first[-1]))),
         vertex_on_contour=frozen(on_contour),
+        vertex_place=frozen(indices(np.concatenate([_places(mesh) for mesh in meshes]))),
         masses=frozen(floats(np.concatenate([part.masses for part in parts]))),
         links=_join([part.links for part in parts], first, ("ends",)),
         cells=_join([part.cells for part in parts], first, ("corners",)),
@@ -178,6 +179,12 @@ def _part(panel: Panel, mesh: PanelMesh, material_of: MaterialOf, materials: Mat
         triangles,
         np.concatenate([cell_material[source], strip_material]),
     )
+
+
+def _places(mesh: PanelMesh) -> np.ndarray:
+    """(N,2) column and row of the lattice points from 0, -1 for the contour."""
+    place = mesh.place - (mesh.place.min(axis=0) if mesh.lattice_count else 0)
+    return np.concatenate([place, np.full((len(mesh.points) - mesh.lattice_count, 2), -1)])
 
 
 def _links(mesh: PanelMesh) -> Links:

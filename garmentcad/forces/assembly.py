@@ -54,8 +54,12 @@ class ForceAssembly:
             body_force.add_forces(positions, velocities, out)
 
     def energy(self, positions: np.ndarray) -> dict[str, float]:
-        """Stored energy [J] of each force by name."""
-        return {force.name: force.energy(positions) for force in self._all}
+        """Stored energy [J] by law; a law that acts in several forces is added up."""
+        total: dict[str, float] = {}
+        for force in self._all:
+            for law, energy in force.energies(positions).items():
+                total[law] = total.get(law, 0.0) + energy
+        return total
 
     def stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
         """Row sum bound of the tangent [N/m] at each particle into out (P,); see `time_step`."""

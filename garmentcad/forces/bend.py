@@ -16,10 +16,12 @@ import numpy as np
 from numba import prange
 
 from garmentcad.arrays import CHUNKS, chunk_range, indices, kernel, parallel_kernel
-from garmentcad.cloth.cloth import BendLines, Cloth
+from garmentcad.cloth.cloth import WARP, WEFT, BendLines
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.angle import angle_over_sine
-from garmentcad.forces.force import NO_PARTICLE
+from garmentcad.forces.force import NO_PARTICLE, OneLaw
+from garmentcad.forces.rows import LatticeSlots
+from garmentcad.forces.smooth import arctan_over
 
 SHORTEST = 1e-2  # arms shorter than this part of their rest length lose their force, so that it stays finite where an arm vanishes
 TINY = 1e-100  # m2
@@ -80,13 +82,50 @@ def write_bend(lines, positions, out):  # type: ignore[no-untyped-def]
         _bend_of(chunk_range(chunk, len(lines.stiffness)), lines, positions, out)
 
 
-class ForceBend:
-    """Bending of the lines of `cloth`."""
+@kernel
+def bend_row(span, stiffness, least_square, motion, out):  # type: ignore[no-untyped-def]
+    """Lines whose arms are the lattice neighbours of their centres; span: first centre, slots to its neighbour, number of lines.
+
+    stiffness (S,): B w/l; least_square: m2, squared arm length below which force fades out.
+
+    out (6,S): force on arm a, and minus the force on arm b. |t| = 8 atan of the tangent of an eighth of it, so that nothing is divided by its sine.
+    """
+    first, step, count = span
+    a, b, fading = first - step, first + step, 1.0 / least_square
+    xo, yo, zo, xa, ya, za = motion[0, first:], motion[1, first:], motion[2, first:], motion[0, a:], motion[1, a:], motion[2, a:]
+    xb, yb, zb, k = motion[0, b:], motion[1, b:], motion[2, b:], stiffness[first:]
+    fax, fay, faz, fbx, fby, fbz = out[0, first:], out[1, first:], out[2, first:], out[3, first:], out[4, first:], out[5, first:]
+    for i in range(np.uint64(count)):
+        ax, ay, az = xo[i] - xa[i], yo[i] - ya[i], zo[i] - za[i]
+        bx, by, bz = xb[i] - xo[i], yb[i] - yo[i], zb[i] - zo[i]
+        aa, bb = max(ax * ax + ay * ay + az * az, TINY), max(bx * bx + by * by + bz * bz, TINY)
+        dot = ax * bx + ay * by + az * bz
+        length = math.sqrt(aa * bb)
+        # squared tangents of a half, a quarter, an eighth of t
+        nx, ny, nz = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+        cross2 = nx * nx + ny * ny + nz * nz
+        # |d1||d2| + d1.d2, where an arm is folded back without cancellation
+        opened = max(length + dot if dot > 0.0 else cross2 / (length - dot), LEAST_SINE * LEAST_SINE * length)
+        inverse = 1.0 / opened
+        half = cross2 * inverse * inverse
+        inverse2 = 1.0 / (1.0 + math.sqrt(1.0 + half))
+        quarter = half * inverse2 * inverse2
+        inverse4 = 1.0 / (1.0 + math.sqrt(1.0 + quarter))
+        over_sine = 8.0 * arctan_over(quarter * inverse4 * inverse4) * inverse * inverse2 * inverse4
+        over_squares = 1.0 / (aa * bb)
+        scale = k[i] * min(over_sine, math.pi / LEAST_SINE * length * over_squares)
+        scale *= min(aa * fading, 1.0) * min(bb * fading, 1.0)
+        along_a, along_b = dot * bb * over_squares, dot * aa * over_squares
+        fax[i], fay[i], faz[i] = scale * (along_a * ax - bx), scale * (along_a * ay - by), scale * (along_a * az - bz)
+        fbx[i], fby[i], fbz[i] = scale * (along_b * bx - ax), scale * (along_b * by - ay), scale * (along_b * bz - az)
+
+
+class ForceBend(OneLaw):
+    """Bending of lines of a cloth."""
 
     name = "bend"
 
-    def __init__(self, cloth: Cloth, materials: MaterialTable) -> None:
-        lines: BendLines = cloth.bends
+    def __init__(self, lines: BendLines, materials: MaterialTable) -> None:
         points = np.column_stack([lines.center, lines.arm_a, lines.arm_b])
         weights = np.column_stack([lines.weight_a, lines.weight_b]).astype(np.float64)
         self._rest = np.column_stack([lines.length_a, lines.length_b])
@@ -95,6 +134,12 @@ class ForceBend:
         corners = points.copy()
         corners[:, 2::2][weights == 0.0] = NO_PARTICLE
         self.corners = indices(corners).ravel()
+
+    def rows(self, slots: LatticeSlots, direction: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """B w/l (S,) of the weft and of the warp line centred at each slot; for lines (N,) of `direction` whose arms are lattice neighbours."""
+        at = slots.slot[self._lines.points[:, 0]]
+        weft, warp = (slots.spread(at[direction == axis], self._lines.stiffness[direction == axis]) for axis in (WEFT, WARP))
+        return weft, warp
 
     def write_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray) -> None:
         write_bend(self._lines, positions, out)

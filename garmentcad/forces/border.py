@@ -22,6 +22,7 @@ from garmentcad.cloth.cloth import WARP, WEFT, Cloth
 from garmentcad.fabric.law_shear import shear
 from garmentcad.fabric.law_tension import tension
 from garmentcad.fabric.material import MaterialTable
+from garmentcad.forces.force import OneLaw
 from garmentcad.forces.shear import angle_and_lengths, shear_angle
 from garmentcad.forces.tension_curves import tension_at, tension_curves
 
@@ -128,7 +129,7 @@ def write_border(border, curves, damping_time, positions, velocities, strains, s
     _write_corners(border, damping_time, positions, velocities, stresses, out)
 
 
-class ForceBorder:
+class ForceBorder(OneLaw):
     """Stretch and shear of the border triangles of `cloth`. damping_time: tau [s]."""
 
     name = "border"

@@ -9,11 +9,12 @@ from __future__ import annotations
 import numpy as np
 
 from garmentcad.arrays import floats
+from garmentcad.forces.force import OneLaw
 
 DEFAULT_RATE = 2.0  # 1/s
 
 
-class ForceDrag:
+class ForceDrag(OneLaw):
     """Drag on particles of the given masses (P,) [kg], with rate c [1/s] in air of velocity (3,) [m/s]."""
 
     name = "drag"

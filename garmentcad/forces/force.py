@@ -22,8 +22,8 @@ class Force(Protocol):
     def write_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray) -> None:
         """Force on each corner [N] into out (K,3), from positions [m] and velocities [m/s], both (P,3). Damping included."""
 
-    def energy(self, positions: np.ndarray) -> float:
-        """Stored energy [J]."""
+    def energies(self, positions: np.ndarray) -> dict[str, float]:
+        """Stored energy [J] by law."""
 
     def write_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
         """Row sum bound of the current tangent, sum over j of |K_ij|, for each corner [N/m] into out (K,). Only what can raise a frequency counts."""
@@ -37,5 +37,17 @@ class BodyForce(Protocol):
     def add_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray) -> None:
         """Add the force on each particle [N] to out (P,3)."""
 
+    def energies(self, positions: np.ndarray) -> dict[str, float]:
+        """Stored energy [J] by law; 0 for a force that stores none."""
+
+
+class OneLaw:
+    """What forces of a single law share: `name` is the law's, `energy` [J] its energy."""
+
+    name: str
+
     def energy(self, positions: np.ndarray) -> float:
-        """Stored energy [J]; 0 for a force that stores none."""
+        raise NotImplementedError
+
+    def energies(self, positions: np.ndarray) -> dict[str, float]:
+        return {self.name: self.energy(positions)}

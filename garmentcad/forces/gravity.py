@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from garmentcad.arrays import floats
+from garmentcad.forces.force import OneLaw
 from garmentcad.units import GRAVITY_M_S2
 
 
-class ForceGravity:
+class ForceGravity(OneLaw):
     """Weight of particles of the given masses (P,) [kg]. `gravity` [m/s2] may be lowered, or 0 while seams close."""
 
     name = "gravity"

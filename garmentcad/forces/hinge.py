@@ -19,6 +19,7 @@ from numba import prange
 from garmentcad.arrays import CHUNKS, chunk_range, indices, kernel, parallel_kernel
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.fabric.material import MaterialTable, bending_along
+from garmentcad.forces.force import OneLaw
 
 LEAST_AREA2 = 1e-30  # m4, floor of squared normals: a wing on the sew line has no plane, and gets no force
 
@@ -69,7 +70,7 @@ def write_hinge(hinges, positions, out):  # type: ignore[no-untyped-def]
         _hinge_of(chunk_range(chunk, len(hinges.stiffness)), hinges, positions, out)
 
 
-class ForceHinge:
+class ForceHinge(OneLaw):
     """Hinges over the seams of `cloth`."""
 
     name = "hinge"

@@ -10,27 +10,20 @@ Source: KES-FB1 shear, which measures the trellis angle; cells of four particles
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
-from numba import prange
 
-from garmentcad.arrays import CHUNKS, chunk_range, indices, kernel, parallel_kernel
-from garmentcad.cloth.cloth import Cloth
-from garmentcad.fabric.law_shear import shear
+from garmentcad.arrays import kernel
+from garmentcad.cloth.cloth import WARP, Cells, Cloth
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.angle import angle_over_sine
+from garmentcad.forces.force import OneLaw
+from garmentcad.forces.rows import LatticeSlots
+from garmentcad.forces.smooth import arctan_over
 
 SHORTEST = 1e-2  # floor of |u|, |w| (1 at rest): below it a cell has collapsed and its angle means nothing
 LEAST_COSINE = 1e-6  # floor of cos(gamma) in divisions
 SMALLEST = 1e-100
-
-
-class ShearElements(NamedTuple):
-    corners: np.ndarray  # (C,4) int32
-    spacing: np.ndarray  # (C,) m
-    area: np.ndarray  # (C,) m2
-    stiffness: np.ndarray  # (C,) G, N/m per rad
 
 
 @kernel
@@ -51,51 +44,51 @@ def shear_angle(ux, uy, uz, wx, wy, wz):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _shear_of(items, cells, damping_time, positions, velocities, out):  # type: ignore[no-untyped-def]
-    x, v = positions, velocities
-    for i in range(items[0], items[1]):
-        a, b, c, d = cells.corners[i, 0], cells.corners[i, 1], cells.corners[i, 2], cells.corners[i, 3]
-        half = 0.5 / cells.spacing[i]
-        # diagonals p = x11 - x00, q = x01 - x10: u = half (p + q), w = half (p - q)
-        px, py, pz = x[c, 0] - x[a, 0], x[c, 1] - x[a, 1], x[c, 2] - x[a, 2]
-        qx, qy, qz = x[d, 0] - x[b, 0], x[d, 1] - x[b, 1], x[d, 2] - x[b, 2]
-        gamma, gux, guy, guz, gwx, gwy, gwz = shear_angle(
-            half * (px + qx), half * (py + qy), half * (pz + qz), half * (px - qx), half * (py - qy), half * (pz - qz)
-        )
+def shear_row(count, stiffness, half, damping_time, diagonals, out):  # type: ignore[no-untyped-def]
+    """Shear forces of a row of cells along their diagonals. diagonals (12,C): p, q, and their velocities; half: 1/(2 h); out (6,C): along p on corner 00
+    (minus that on 11), along q on corner 10 (minus that on 01)."""
+    px, py, pz, qx, qy, qz = diagonals[0], diagonals[1], diagonals[2], diagonals[3], diagonals[4], diagonals[5]
+    pu, pv, pw, qu, qv, qw = diagonals[6], diagonals[7], diagonals[8], diagonals[9], diagonals[10], diagonals[11]
+    fpx, fpy, fpz, fqx, fqy, fqz = out[0], out[1], out[2], out[3], out[4], out[5]
+    for i in range(np.uint64(count)):
+        # p = x11 - x00, q = x01 - x10: u = half (p + q), w = half (p - q)
+        ux, uy, uz = half * (px[i] + qx[i]), half * (py[i] + qy[i]), half * (pz[i] + qz[i])
+        wx, wy, wz = half * (px[i] - qx[i]), half * (py[i] - qy[i]), half * (pz[i] - qz[i])
+        uu = max(ux * ux + uy * uy + uz * uz, SHORTEST * SHORTEST)
+        ww = max(wx * wx + wy * wy + wz * wz, SHORTEST * SHORTEST)
+        dot = ux * wx + uy * wy + uz * wz
+        # |u x w|, the cosine of gamma times both lengths
+        cross = math.sqrt(max(uu * ww - dot * dot, LEAST_COSINE * LEAST_COSINE * uu * ww))
+        # gamma = atan2(dot, cross) = 4 atan of the tangent of a quarter of it
+        half_tangent = dot / (cross + math.sqrt(cross * cross + dot * dot))
+        tangent = half_tangent / (1.0 + math.sqrt(1.0 + half_tangent * half_tangent))
+        gamma = 4.0 * tangent * arctan_over(tangent * tangent)
+        inverse = 1.0 / cross
+        shear_u, shear_w = inverse * dot / uu, inverse * dot / ww
+        gux, guy, guz = inverse * wx - shear_u * ux, inverse * wy - shear_u * uy, inverse * wz - shear_u * uz
+        gwx, gwy, gwz = inverse * ux - shear_w * wx, inverse * uy - shear_w * wy, inverse * uz - shear_w * wz
         # gradients on the diagonals
         gpx, gpy, gpz = half * (gux + gwx), half * (guy + gwy), half * (guz + gwz)
         gqx, gqy, gqz = half * (gux - gwx), half * (guy - gwy), half * (guz - gwz)
-        rate = gpx * (v[c, 0] - v[a, 0]) + gpy * (v[c, 1] - v[a, 1]) + gpz * (v[c, 2] - v[a, 2])
-        rate += gqx * (v[d, 0] - v[b, 0]) + gqy * (v[d, 1] - v[b, 1]) + gqz * (v[d, 2] - v[b, 2])
-        stress, tangent = shear(gamma, cells.stiffness[i])
-        scale = cells.area[i] * (stress + damping_time * tangent * rate)
-        k = 4 * i
-        out[k, 0], out[k, 1], out[k, 2] = scale * gpx, scale * gpy, scale * gpz
-        out[k + 1, 0], out[k + 1, 1], out[k + 1, 2] = scale * gqx, scale * gqy, scale * gqz
-        out[k + 2, 0], out[k + 2, 1], out[k + 2, 2] = -scale * gpx, -scale * gpy, -scale * gpz
-        out[k + 3, 0], out[k + 3, 1], out[k + 3, 2] = -scale * gqx, -scale * gqy, -scale * gqz
+        rate = gpx * pu[i] + gpy * pv[i] + gpz * pw[i] + gqx * qu[i] + gqy * qv[i] + gqz * qw[i]
+        scale = stiffness[i] * (gamma + damping_time * rate)
+        fpx[i], fpy[i], fpz[i] = scale * gpx, scale * gpy, scale * gpz
+        fqx[i], fqy[i], fqz[i] = scale * gqx, scale * gqy, scale * gqz
 
 
-@parallel_kernel
-def write_shear(cells, damping_time, positions, velocities, out):  # type: ignore[no-untyped-def]
-    """Forces on the corners 00, 10, 11, 01 of cell i into out[4 i] to out[4 i + 3]."""
-    for chunk in prange(CHUNKS):
-        _shear_of(chunk_range(chunk, len(cells.area)), cells, damping_time, positions, velocities, out)
-
-
-class ForceShear:
-    """Trellis shear of the cells of `cloth`. damping_time: tau [s]."""
+class LawShear(OneLaw):
+    """Trellis shear of the cells of `cloth`."""
 
     name = "shear"
 
-    def __init__(self, cloth: Cloth, materials: MaterialTable, damping_time: float = 0.0) -> None:
-        cells = cloth.cells
-        self._cells = ShearElements(np.array(cells.corners), np.array(cells.spacing), np.array(cells.shear_area), np.array(materials.shear[cells.material]))
-        self.damping_time = damping_time
-        self.corners = indices(cells.corners).ravel()
+    def __init__(self, cloth: Cloth, materials: MaterialTable) -> None:
+        self._cells = cloth.cells
+        self._stiffness = np.array(materials.shear[cloth.cells.material])
+        self.corners = cloth.cells.corners.ravel()
 
-    def write_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray) -> None:
-        write_shear(self._cells, self.damping_time, positions, velocities, out)
+    def rows(self, slots: LatticeSlots) -> np.ndarray:
+        """G A (S,) of the cell whose corner 00 is at the slot, J."""
+        return slots.spread(cell_slots(self._cells, slots), self._stiffness * self._cells.shear_area)
 
     def _angle_and_lengths(self, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         x00, x10, x11, x01 = (positions[self._cells.corners[:, k]] for k in range(4))
@@ -104,7 +97,7 @@ class ForceShear:
 
     def energy(self, positions: np.ndarray) -> float:
         gamma, _, _ = self._angle_and_lengths(positions)
-        return float(np.sum(0.5 * self._cells.stiffness * gamma * gamma * self._cells.area))
+        return float(np.sum(0.5 * self._stiffness * gamma * gamma * self._cells.shear_area))
 
     def write_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
         gamma, warp, weft = self._angle_and_lengths(positions)
@@ -112,13 +105,22 @@ class ForceShear:
 
     def write_rest_stiffness(self, out: np.ndarray) -> None:
         """`write_stiffness` at rest, wherever the panels lie."""
-        self._write_bound(np.zeros(len(self._cells.area)), np.full(len(self._cells.area), 2.0), out)
+        self._write_bound(np.zeros(len(self._stiffness)), np.full(len(self._stiffness), 2.0), out)
 
     def _write_bound(self, gamma: np.ndarray, inverse_lengths: np.ndarray, out: np.ndarray) -> None:
         # |dgamma/dx| <= (1/|u| + 1/|w|)/(2 h) at each of four corners; (1 + |gamma|) covers the curvature of gamma
         cells = self._cells
         gradient = inverse_lengths / (2.0 * cells.spacing)
-        out[:] = np.repeat(cells.stiffness * cells.area * (1.0 + gamma) * 4.0 * gradient * gradient, 4)
+        out[:] = np.repeat(self._stiffness * cells.shear_area * (1.0 + gamma) * 4.0 * gradient * gradient, 4)
+
+
+def cell_slots(cells: Cells, slots: LatticeSlots) -> np.ndarray:
+    """Slot (C,) of corner 00 of each cell. ValueError where its corners are not four neighbours of the lattice."""
+    a, b, c, d = slots.slot[cells.corners].T
+    up = slots.step(a, WARP)
+    if not ((b == a + 1) & (d == a + up) & (c == d + 1)).all():
+        raise ValueError("a cell does not join four neighbours of the lattice")
+    return np.asarray(a)
 
 
 def angle_and_lengths(warp: np.ndarray, weft: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -18,6 +18,7 @@ from numba import prange
 from garmentcad.arrays import CHUNKS, chunk_range, indices, kernel, parallel_kernel
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.fabric.material import MaterialTable, bending_along
+from garmentcad.forces.force import OneLaw
 
 
 class SpanElements(NamedTuple):
@@ -46,7 +47,7 @@ def write_span(spans, positions, out):  # type: ignore[no-untyped-def]
         _span_of(chunk_range(chunk, len(spans.stiffness)), spans, positions, out)
 
 
-class ForceSpan:
+class ForceSpan(OneLaw):
     """Contour spans of `cloth`."""
 
     name = "span"

@@ -11,86 +11,91 @@ Source: KES-FB1 curve; pairs of lattice neighbours after Provot (1995).
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
-from numba import prange
 
-from garmentcad.arrays import CHUNKS, chunk_range, indices, kernel, parallel_kernel
-from garmentcad.cloth.cloth import Cloth
-from garmentcad.fabric.law_tension import tension
+from garmentcad.arrays import kernel
+from garmentcad.cloth.cloth import WARP, WEFT, Cloth
 from garmentcad.fabric.material import MaterialTable
+from garmentcad.forces.force import OneLaw
+from garmentcad.forces.rows import LatticeSlots
+from garmentcad.forces.smooth import expm1_smooth
 from garmentcad.forces.tension_curves import tension_at, tension_curves
 
+LEAST_EXPONENT = 1e-9  # a linear curve is one with this exponent: it differs by less than the tenth digit
+LEAST_LENGTH2 = 1e-30  # m2: a link without length has no direction, and gets no force
 
-class StretchElements(NamedTuple):
-    ends: np.ndarray  # (L,2) int32
-    rest_length: np.ndarray  # (L,) m
-    inverse_rest: np.ndarray  # (L,) 1/m
-    width: np.ndarray  # (L,) m
-    curve: np.ndarray  # (L,) int32 row of the tension curves
+
+# Coefficients (5,S) of the link from each slot to its neighbour: x/em; w k em/x [N]; em; w k [N]; w (k + Fm x/em) [N], the slope beyond em.
+COEFFICIENTS = 5
 
 
 @kernel
-def _stretch_of(items, links, curves, damping_time, positions, velocities, out):  # type: ignore[no-untyped-def]
-    for i in range(items[0], items[1]):
-        a, b = links.ends[i, 0], links.ends[i, 1]
-        dx = positions[b, 0] - positions[a, 0]
-        dy = positions[b, 1] - positions[a, 1]
-        dz = positions[b, 2] - positions[a, 2]
-        length = math.sqrt(dx * dx + dy * dy + dz * dz)
-        scale = 0.0
-        if length > 0.0:
-            c = links.curve[i]
-            inverse = 1.0 / length
-            inverse_rest = links.inverse_rest[i]
-            slope = curves.slope[c]
-            stretch = (velocities[b, 0] - velocities[a, 0]) * dx + (velocities[b, 1] - velocities[a, 1]) * dy + (velocities[b, 2] - velocities[a, 2]) * dz
-            force = tension((length - links.rest_length[i]) * inverse_rest, curves.em[c], curves.fm[c], curves.exponent[c], slope)[0]
-            scale = links.width[i] * inverse * (force + damping_time * slope * stretch * inverse * inverse_rest)
-        out[2 * i, 0], out[2 * i, 1], out[2 * i, 2] = scale * dx, scale * dy, scale * dz
-        out[2 * i + 1, 0], out[2 * i + 1, 1], out[2 * i + 1, 2] = -scale * dx, -scale * dy, -scale * dz
+def stretch_row(span, links, inverse_rest, damping_time, motion, out):  # type: ignore[no-untyped-def]
+    """Forces (3,S) on the first ends of links; span: first slot, slots to the neighbour, number of links; links (5,S): coefficients; motion (6,S)."""
+    first, step, count = span
+    second = first + step
+    xa, ya, za, xb, yb, zb = motion[0, first:], motion[1, first:], motion[2, first:], motion[0, second:], motion[1, second:], motion[2, second:]
+    ua, va, wa, ub, vb, wb = motion[3, first:], motion[4, first:], motion[5, first:], motion[3, second:], motion[4, second:], motion[5, second:]
+    rate, amplitude, em, repel, beyond = links[0, first:], links[1, first:], links[2, first:], links[3, first:], links[4, first:]
+    fx, fy, fz = out[0, first:], out[1, first:], out[2, first:]
+    for i in range(np.uint64(count)):
+        dx, dy, dz = xb[i] - xa[i], yb[i] - ya[i], zb[i] - za[i]
+        inverse = 1.0 / math.sqrt(dx * dx + dy * dy + dz * dz + LEAST_LENGTH2)
+        strain = (dx * dx + dy * dy + dz * dz) * inverse * inverse_rest - 1.0
+        speed = ((ub[i] - ua[i]) * dx + (vb[i] - va[i]) * dy + (wb[i] - wa[i]) * dz) * inverse * inverse_rest
+        inside = min(max(strain, 0.0), em[i])
+        force = amplitude[i] * expm1_smooth(rate[i] * inside) + repel[i] * (min(strain, 0.0) + damping_time * speed) + beyond[i] * max(strain - em[i], 0.0)
+        force *= inverse
+        fx[i], fy[i], fz[i] = force * dx, force * dy, force * dz
 
 
-@parallel_kernel
-def write_stretch(links, curves, damping_time, positions, velocities, out):  # type: ignore[no-untyped-def]
-    """Force on end a into out[2 i], on end b into out[2 i + 1]."""
-    for chunk in prange(CHUNKS):
-        _stretch_of(chunk_range(chunk, len(links.curve)), links, curves, damping_time, positions, velocities, out)
-
-
-class ForceStretch:
-    """Tension of the links of `cloth`. damping_time: tau [s]."""
+class LawStretch(OneLaw):
+    """Tension of the links of `cloth`."""
 
     name = "stretch"
 
-    def __init__(self, cloth: Cloth, materials: MaterialTable, damping_time: float = 0.0) -> None:
-        links = cloth.links
-        self._links = StretchElements(
-            np.array(links.ends), np.array(links.rest_length), 1.0 / links.rest_length, np.array(links.width), indices(2 * links.material + links.direction)
-        )
+    def __init__(self, cloth: Cloth, materials: MaterialTable) -> None:
+        self._links = cloth.links
+        self._curve = 2 * cloth.links.material + cloth.links.direction
         self._curves = tension_curves(materials)
-        self.damping_time = damping_time
-        self.corners = indices(links.ends).ravel()
+        self.corners = cloth.links.ends.ravel()
 
-    def write_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray) -> None:
-        write_stretch(self._links, self._curves, self.damping_time, positions, velocities, out)
+    def rows(self, slots: LatticeSlots) -> tuple[np.ndarray, np.ndarray]:
+        """Coefficients (5,S) of the weft links and of the warp links."""
+        links, curves = self._links, self._curves
+        exponent = curves.exponent[self._curve]
+        exponent = np.where(np.abs(exponent) < LEAST_EXPONENT, LEAST_EXPONENT, exponent)
+        em, slope, rate = curves.em[self._curve], curves.slope[self._curve], exponent / curves.em[self._curve]
+        found = []
+        for direction in (WEFT, WARP):
+            mine = np.flatnonzero(links.direction == direction)
+            a, b = slots.slot[links.ends[mine]].T
+            at = np.minimum(a, b)
+            if not (np.maximum(a, b) - at == slots.step(at, direction)).all():
+                raise ValueError("a link does not join two neighbours of the lattice")
+            width = links.width[mine]
+            columns = (
+                rate[mine], width * slope[mine] / rate[mine], em[mine], width * slope[mine], width * (slope + rate * curves.fm[self._curve])[mine]
+            )  # fmt: skip
+            found.append(np.stack([slots.spread(at, column) for column in columns]))
+        return found[0], found[1]
 
     def _strain(self, positions: np.ndarray) -> np.ndarray:
         ends = self._links.ends
         return np.linalg.norm(positions[ends[:, 1]] - positions[ends[:, 0]], axis=1) / self._links.rest_length - 1.0
 
     def energy(self, positions: np.ndarray) -> float:
-        energy, _, _ = tension_at(self._curves, self._links.curve, self._strain(positions))
+        energy, _, _ = tension_at(self._curves, self._curve, self._strain(positions))
         return float(np.sum(energy * self._links.width * self._links.rest_length))
 
     def write_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
         # |K_aa| + |K_ab| = 2 max(T', T/(1 + e)) w/l0: along the link, and across it, where only tension stiffens
         strain = self._strain(positions)
-        _, force, tangent = tension_at(self._curves, self._links.curve, strain)
+        _, force, tangent = tension_at(self._curves, self._curve, strain)
         across = np.where(strain > 0.0, force / (1.0 + np.maximum(strain, 0.0)), 0.0)
         out[:] = np.repeat(2.0 * np.maximum(tangent, across) * self._links.width / self._links.rest_length, 2)
 
     def write_rest_stiffness(self, out: np.ndarray) -> None:
         """`write_stiffness` at rest, wherever the panels lie."""
-        out[:] = np.repeat(2.0 * self._curves.slope[self._links.curve] * self._links.width / self._links.rest_length, 2)
+        out[:] = np.repeat(2.0 * self._curves.slope[self._curve] * self._links.width / self._links.rest_length, 2)

@@ -13,11 +13,13 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import prange
 
-from garmentcad.arrays import CHUNKS, chunk_range, indices, kernel, parallel_kernel
-from garmentcad.cloth.cloth import Cloth
+from garmentcad.arrays import indices, kernel
+from garmentcad.cloth.cloth import Cells, Cloth
 from garmentcad.fabric.material import MaterialTable
+from garmentcad.forces.force import OneLaw
+from garmentcad.forces.rows import LatticeSlots
+from garmentcad.forces.shear import cell_slots
 
 LEAST_NORMAL = 1e-3  # floor of |normal| in units of its rest value 2 h^2: a collapsed cell has no normal
 
@@ -30,41 +32,32 @@ class TwistElements(NamedTuple):
 
 
 @kernel
-def _twist_of(items, cells, positions, out):  # type: ignore[no-untyped-def]
-    x = positions
-    for i in range(items[0], items[1]):
-        a, b, c, d = cells.corners[i, 0], cells.corners[i, 1], cells.corners[i, 2], cells.corners[i, 3]
-        # diagonals p, q and their crossing, whose projection on the normal is the twist
-        px, py, pz = x[c, 0] - x[a, 0], x[c, 1] - x[a, 1], x[c, 2] - x[a, 2]
-        qx, qy, qz = x[d, 0] - x[b, 0], x[d, 1] - x[b, 1], x[d, 2] - x[b, 2]
-        sx = (x[a, 0] - x[b, 0]) + (x[c, 0] - x[d, 0])
-        sy = (x[a, 1] - x[b, 1]) + (x[c, 1] - x[d, 1])
-        sz = (x[a, 2] - x[b, 2]) + (x[c, 2] - x[d, 2])
-        nx, ny, nz = py * qz - pz * qy, pz * qx - px * qz, px * qy - py * qx
-        inverse = 1.0 / max(math.sqrt(nx * nx + ny * ny + nz * nz), cells.least_normal[i])
+def twist_row(count, stiffness, least_normal, diagonals, crossing, out):  # type: ignore[no-untyped-def]
+    """Twist forces of a row of cells. diagonals (6+,C): p, q; crossing (3,C): x00 - x10 + x11 - x01; stiffness (C,): 4 D66 A/h^4.
+
+    out (9,C): the part n along the normal, which acts on corners 00, 11 and against 10, 01; added to the next six: along p on corner 00, q on corner 10.
+    """
+    px, py, pz, qx, qy, qz = diagonals[0], diagonals[1], diagonals[2], diagonals[3], diagonals[4], diagonals[5]
+    sx, sy, sz = crossing[0], crossing[1], crossing[2]
+    fnx, fny, fnz, fpx, fpy, fpz, fqx, fqy, fqz = out[0], out[1], out[2], out[3], out[4], out[5], out[6], out[7], out[8]
+    for i in range(np.uint64(count)):
+        nx, ny, nz = py[i] * qz[i] - pz[i] * qy[i], pz[i] * qx[i] - px[i] * qz[i], px[i] * qy[i] - py[i] * qx[i]
+        inverse = 1.0 / max(math.sqrt(nx * nx + ny * ny + nz * nz), least_normal)
         nx, ny, nz = nx * inverse, ny * inverse, nz * inverse
-        height = nx * sx + ny * sy + nz * sz
-        scale = -cells.stiffness[i] * height * cells.inverse_h2[i] * cells.inverse_h2[i]
+        height = nx * sx[i] + ny * sy[i] + nz * sz[i]
+        scale = -stiffness[i] * height
         # d(height)/dp = q x t, d(height)/dq = t x p with t = (s - height n)/|normal|
-        tx, ty, tz = (sx - height * nx) * inverse, (sy - height * ny) * inverse, (sz - height * nz) * inverse
-        fpx, fpy, fpz = scale * (qy * tz - qz * ty), scale * (qz * tx - qx * tz), scale * (qx * ty - qy * tx)
-        fqx, fqy, fqz = scale * (ty * pz - tz * py), scale * (tz * px - tx * pz), scale * (tx * py - ty * px)
-        nx, ny, nz = scale * nx, scale * ny, scale * nz
-        k = 4 * i
-        out[k, 0], out[k, 1], out[k, 2] = nx - fpx, ny - fpy, nz - fpz
-        out[k + 1, 0], out[k + 1, 1], out[k + 1, 2] = -nx - fqx, -ny - fqy, -nz - fqz
-        out[k + 2, 0], out[k + 2, 1], out[k + 2, 2] = nx + fpx, ny + fpy, nz + fpz
-        out[k + 3, 0], out[k + 3, 1], out[k + 3, 2] = -nx + fqx, -ny + fqy, -nz + fqz
+        tx, ty, tz = (sx[i] - height * nx) * inverse, (sy[i] - height * ny) * inverse, (sz[i] - height * nz) * inverse
+        fnx[i], fny[i], fnz[i] = scale * nx, scale * ny, scale * nz
+        fpx[i] -= scale * (qy[i] * tz - qz[i] * ty)
+        fpy[i] -= scale * (qz[i] * tx - qx[i] * tz)
+        fpz[i] -= scale * (qx[i] * ty - qy[i] * tx)
+        fqx[i] -= scale * (ty * pz[i] - tz * py[i])
+        fqy[i] -= scale * (tz * px[i] - tx * pz[i])
+        fqz[i] -= scale * (tx * py[i] - ty * px[i])
 
 
-@parallel_kernel
-def write_twist(cells, positions, out):  # type: ignore[no-untyped-def]
-    """Forces on the corners 00, 10, 11, 01 of cell i into out[4 i] to out[4 i + 3]."""
-    for chunk in prange(CHUNKS):
-        _twist_of(chunk_range(chunk, len(cells.stiffness)), cells, positions, out)
-
-
-class ForceTwist:
+class LawTwist(OneLaw):
     """Twist of those cells of `cloth` whose material has D66 > 0."""
 
     name = "twist"
@@ -73,13 +66,15 @@ class ForceTwist:
         cells = cloth.cells
         stiff = np.flatnonzero(materials.twist[cells.material] > 0.0)
         h2 = cells.spacing[stiff] ** 2
+        self._stiff = Cells(*(column[stiff] for column in cells))
         self._cells = TwistElements(
             indices(cells.corners[stiff]), LEAST_NORMAL * 2.0 * h2, 1.0 / h2, 4.0 * materials.twist[cells.material[stiff]] * cells.twist_area[stiff]
         )
         self.corners = indices(self._cells.corners).ravel()
 
-    def write_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray) -> None:
-        write_twist(self._cells, positions, out)
+    def rows(self, slots: LatticeSlots) -> np.ndarray:
+        """4 D66 A/h^4 (S,) of the cell whose corner 00 is at the slot, N/m."""
+        return slots.spread(cell_slots(self._stiff, slots), self._cells.stiffness * self._cells.inverse_h2**2)
 
     def _geometry(self, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         x00, x10, x11, x01 = (positions[self._cells.corners[:, k]] for k in range(4))
