@@ -28,3 +28,9 @@ def test_rate_and_air_can_be_changed() -> None:
     force = ForceDrag(np.ones(4), 5.0)
     force.set(2.0, (0.0, 0.0, 1.0))
     np.testing.assert_allclose(drag(force, np.ones((4, 3))), np.tile([-2.0, -2.0, 0.0], (4, 1)))
+
+
+def test_drag_follows_the_mass_that_resists() -> None:
+    force = ForceDrag(np.ones(4), 5.0)
+    force.set_inertia(np.array([1.0, 2.0, 12.0, 1.0]))
+    np.testing.assert_allclose(drag(force, np.ones((4, 3)))[:, 0], [-5.0, -10.0, -60.0, -5.0])

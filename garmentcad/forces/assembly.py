@@ -53,6 +53,11 @@ class ForceAssembly:
         for body_force in self.body_forces:
             body_force.add_forces(positions, velocities, out)
 
+    def set_inertia(self, masses: np.ndarray) -> None:
+        """Tell the body forces the masses (P,) [kg] that resist."""
+        for force in self.body_forces:
+            force.set_inertia(masses)
+
     def energy(self, positions: np.ndarray) -> dict[str, float]:
         """Stored energy [J] by law; a law that acts in several forces is added up."""
         total: dict[str, float] = {}

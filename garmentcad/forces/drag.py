@@ -20,14 +20,20 @@ class ForceDrag(OneLaw):
     name = "drag"
 
     def __init__(self, masses: np.ndarray, rate: float = DEFAULT_RATE, air_velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> None:
-        self._masses = floats(np.repeat(masses[:, None], 3, axis=1))
-        self._scratch = np.empty_like(self._masses)
+        self._masses = floats(masses)
+        self._scratch = np.empty((len(masses), 3))
         self.set(rate, air_velocity)
 
     def set(self, rate: float, air_velocity: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> None:
         """Change rate [1/s] and air velocity [m/s] between steps."""
-        self._coefficient = rate * self._masses
+        self._rate = rate
         self._air = np.tile(floats(air_velocity), (len(self._masses), 1))
+        self.set_inertia(self._masses)
+
+    def set_inertia(self, masses: np.ndarray) -> None:
+        """See `BodyForce`: a particle that drape mode makes heavier would otherwise ring on."""
+        self._masses = floats(masses)
+        self._coefficient = floats(np.repeat(self._rate * self._masses[:, None], 3, axis=1))
 
     def add_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray) -> None:
         np.subtract(velocities, self._air, out=self._scratch)

@@ -59,6 +59,7 @@ class Dynamics:
     def set_inverse_masses(self, inverse_masses: np.ndarray) -> None:
         """Inertia (P,) 1/kg of the next steps, for motion and for what shares impulses between particles."""
         self.inverse_masses = inverse_masses
+        self.forces.set_inertia(np.divide(1.0, inverse_masses, out=self.cloth.masses.copy(), where=inverse_masses > 0.0))
         for contact in self.contacts:
             contact.set_inverse_masses(inverse_masses)
         if self.constraint is not None:
