@@ -26,7 +26,7 @@ from garmentcad.solve.strain_limit import StrainLimit
 
 ROOT = Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "docs" / "pictures"
-FABRICS = ("silk-habotai", "denim")
+FABRICS = ("silk-habotai", "cotton-broad")
 GARMENTS = ("flared-skirt", "straight-skirt", "t-shirt")
 HEIGHT_M = 1.0  # of what is hung or laid
 BEND_M = 0.12
@@ -89,7 +89,7 @@ def side_by_side(pictures: list[Path], out: Path, height: int) -> None:
 
 if __name__ == "__main__":
     FOLDER.mkdir(parents=True, exist_ok=True)
-    found = [ROOT / "out" / "study" / f"{garment}-cotton-shirting-woman-88-20-mm" / "front.png" for garment in GARMENTS]
+    found = [ROOT / "out" / "study" / f"{garment}-cotton-shirting-woman-88-10-mm" / "front.png" for garment in GARMENTS]
     present = [path for path in found if path.exists()]
     for garment, path in zip(GARMENTS, found, strict=True):
         if path.exists():

@@ -21,7 +21,7 @@ from garmentcad.geometry.closest import along, cross, distance_between, dot, min
 CLEARANCE = 0.6e-3  # m, what a flat triangle keeps above the body's curve between its particles
 LARGEST_GAP = 0.4  # of the lattice spacing
 ELEMENT_GAP = 0.15e-3  # m, of body vertices and edges against cloth triangles and edges
-_MARGIN = 2e-3  # m, travel that one look covers
+_MARGIN = 0.5e-3  # m, travel that one look covers: a look costs as much as a few responses to faces that turn out to be too far
 _ELEMENT_MARGIN = 1e-3  # m, the same for the pairs of elements
 _WIDTH = 16  # faces a particle can list at the start; more room is made when needed
 _FAR = 0.5  # m, beyond this the distance to the body is not looked for

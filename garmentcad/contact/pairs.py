@@ -113,8 +113,14 @@ def _strayed(nodes, first, last, positions, home):  # type: ignore[no-untyped-de
 
 
 @kernel
-def _stand_range(first, last, pairs, positions, velocities, reserve, time_step, stand):  # type: ignore[no-untyped-def]
-    for n in range(first, last):
+def _stand_range(span, pairs, positions, velocities, reserves, time_step, stand):  # type: ignore[no-untyped-def]
+    reserve, farthest_way = reserves
+    for n in range(span[0], span[1]):
+        # Most pairs are ruled out by the longest way of any node, without a look at their own.
+        bound = pairs.distance[n] - 2.0 * farthest_way
+        if bound - reserve > 1.1 * pairs.gap[n]:
+            stand.distance[n], stand.active[n] = bound, False
+            continue
         kind, nodes = pairs.kind[n], _row4(pairs.nodes, n)
         split = 1 if kind == VERTEX_TRIANGLE else 2
         bound = pairs.distance[n] - _strayed(nodes, 0, split, positions, pairs.home) - _strayed(nodes, split, 4, positions, pairs.home)
@@ -152,11 +158,10 @@ def _stand_range(first, last, pairs, positions, velocities, reserve, time_step, 
 
 
 @parallel_kernel
-def _take_stand(pairs, positions, velocities, reserve, time_step, stand):  # type: ignore[no-untyped-def]
-    """Stand of all pairs. reserve: the most that two points approach each other in the step, m."""
+def _take_stand(pairs, positions, velocities, reserves, time_step, stand):  # type: ignore[no-untyped-def]
+    """Stand of all pairs. reserves: the most that two points approach each other in the step, and the longest way since detection, m."""
     for chunk in prange(CHUNKS):
-        first, last = chunk_range(chunk, len(pairs.nodes))
-        _stand_range(first, last, pairs, positions, velocities, reserve, time_step, stand)
+        _stand_range(chunk_range(chunk, len(pairs.nodes)), pairs, positions, velocities, reserves, time_step, stand)
 
 
 @kernel
@@ -313,7 +318,8 @@ def keep_apart(
     count = len(pairs.nodes)
     if count == 0:
         return 0.0, 0
-    _take_stand(pairs, positions, velocities, 2.0 * longest(velocities) * time_step, time_step, stand)
+    reserves = (2.0 * longest(velocities) * time_step, farthest(positions, pairs.home))
+    _take_stand(pairs, positions, velocities, reserves, time_step, stand)
     chosen = np.flatnonzero(stand.active[:count])
     work = _solve(pairs, stand, chosen, inverse_masses, time_step, np.zeros((len(chosen), 4)), velocities) if len(chosen) else 0.0
     near = np.flatnonzero(stand.distance[:count] * (1.0 - _KEPT) < 2.0 * longest(velocities) * time_step)

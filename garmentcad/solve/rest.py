@@ -42,7 +42,8 @@ def patches(cloth: Cloth) -> np.ndarray:
 def residual(dynamics: Dynamics, state: State, patch: np.ndarray) -> Residual:
     """Residual of `state`, which is left as it is, for the inertia that `dynamics` has at the moment.
 
-    What contact does without any force (it pushes apart what stands below its gap) is no unrest. A run settles with raised masses, then moves with true
+    What contact does without any force (it pushes apart what stands below its gap) is no unrest; where forces hold against that push, and nothing moves, there
+    is none either: of the two readings of a particle the smaller counts. A run settles with raised masses, then moves with true
     ones, and is judged at rest with true ones.
     """
     trial = deepcopy(state)
@@ -55,7 +56,9 @@ def residual(dynamics: Dynamics, state: State, patch: np.ndarray) -> Residual:
         contact.respond(pushed, dt)
     dynamics.seconds = seconds
     masses = np.where(dynamics.fixed, 0.0, dynamics.cloth.masses)
-    acceleration = (trial.velocities - pushed.velocities) / (dt * GRAVITY_M_S2)
+    beyond_push = trial.velocities - pushed.velocities
+    still = (trial.velocities**2).sum(axis=1) < (beyond_push**2).sum(axis=1)
+    acceleration = np.where(still[:, None], trial.velocities, beyond_push) / (dt * GRAVITY_M_S2)
     rms = float(np.sqrt((masses[:, None] * acceleration**2).sum() / masses.sum()))
     count = int(patch.max()) + 1
     weight = np.bincount(patch, masses, count)
