@@ -52,13 +52,14 @@ class Grip(NamedTuple):
 
 @kernel
 def _collect(p, surface, tree, x, reaches, rise, near):  # type: ignore[no-untyped-def]
-    """List the faces within reach of x for particle p, nearest first. reaches: this reach, and how far to look for the closest face.
+    """List the faces within reach of x for particle p, nearest first; for one inside the body at least the nearest. reaches: this reach, and how far
+    to look for the closest face.
 
     Returns the distance of the closest face, or how far it was looked for in vain.
     """
     leaves, count = len(tree.boxes) // 2, len(tree.order)
     reach2, closest2 = reaches[0] ** 2, reaches[1] ** 2
-    found, largest, inside = 0, 0.0, False
+    found, largest, inside, nearest = 0, 0.0, False, 0
     node = 1
     while True:
         # Until something is in reach, the closest face is looked for; from then on all within reach.
@@ -74,7 +75,7 @@ def _collect(p, surface, tree, x, reaches, rise, near):  # type: ignore[no-untyp
                 u, v, w, distance2, feature = point_triangle(x, a, b, c)
                 if distance2 <= closest2:
                     outward = (surface.normals[face, feature, 0], surface.normals[face, feature, 1], surface.normals[face, feature, 2])
-                    inside = dot(minus(x, mixed(a, b, c, u, v, w)), outward) < 0.0
+                    inside, nearest = dot(minus(x, mixed(a, b, c, u, v, w)), outward) < 0.0, face
                 closest2 = min(closest2, distance2)
                 if distance2 > reach2:
                     continue
@@ -89,6 +90,8 @@ def _collect(p, surface, tree, x, reaches, rise, near):  # type: ignore[no-untyp
         node = node_after(node)
         if node == 1:
             break
+    if inside and found == 0:
+        found, near.faces[p, 0], near.distances[p, 0] = 1, nearest, math.sqrt(closest2)
     near.found[p], near.rise[p] = found, math.inf if inside else largest
     return math.sqrt(closest2)
 
@@ -212,7 +215,8 @@ def _respond_of(particles, surface, near, grip, positions, time_step, changes): 
         if near.found[p] > 0 and grip.inverse_masses[p] > 0.0:
             way, speed = distance_between(positions, near.home, p), math.sqrt(dot(row(velocities, p), row(velocities, p)))
             # No face farther than this at the look can matter in the step.
-            reach = max(grip.gap[p], min(near.rise[p], grip.largest_gap)) + speed * time_step + way
+            gap = near.rise[p] if near.rise[p] == math.inf else max(grip.gap[p], min(near.rise[p], grip.largest_gap))
+            reach = gap + speed * time_step + way
             if near.distances[p, 0] <= reach:
                 work[p] = _respond_one(p, reach, surface, near, grip, positions, time_step, velocities)
 
