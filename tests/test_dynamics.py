@@ -131,3 +131,47 @@ def test_runaway_and_nan_are_caught_with_their_place() -> None:
         with pytest.raises(DivergedError) as caught:
             dynamics.step(state)
         assert caught.value.particle == 7
+
+
+class PushUp:
+    """A contact that lifts every particle by the same speed, whatever else it does: all stand below their gap."""
+
+    name = "push"
+    speed = 1e-3 * GRAVITY_M_S2
+
+    def start(self, state: State) -> None:
+        pass
+
+    def set_inverse_masses(self, inverse_masses: np.ndarray) -> None:
+        pass
+
+    def detect(self, state: State, reserve_m: float) -> bool:
+        return False
+
+    def respond(self, state: State, time_step_s: float) -> None:
+        state.velocities[:, 1] += self.speed
+
+
+def test_a_push_without_motion_and_a_motion_by_push_alone_are_no_unrest() -> None:
+    materials = linear_fabric()
+    cloth = rectangle_cloth(40.0, 40.0, 10.0, 0.0, materials)
+    state = State(hanging(cloth), np.zeros((cloth.particle_count, 3)), time_step_s=1e-3)
+    for gravity, expected in ((9.81, 0.0), (0.0, 0.0), (4.0 * 9.81, 3.0)):  # weight holds against the push; nothing but the push; weight wins
+        forces = ForceAssembly([], cloth.particle_count, [ForceGravity(cloth.masses, gravity)])
+        dynamics = Dynamics(cloth, forces, None, [PushUp()])
+        # |-g + push| where that is less than |-g|
+        assert residual(dynamics, state, patches(cloth)).rms_g == pytest.approx(expected, abs=1e-9)
+
+
+def test_the_speed_cap_holds_against_forces_and_keeps_their_direction() -> None:
+    materials = linear_fabric()
+    cloth = rectangle_cloth(40.0, 40.0, 10.0, 0.0, materials)
+    dynamics = dynamics_of(cloth, None, 0.0, materials)
+    dynamics.speed_cap_m_s = 0.5
+    state = State(hanging(cloth), np.tile([0.3, 0.0, 0.0], (cloth.particle_count, 1)))
+    dynamics.start(state)
+    for _ in range(2000):
+        dynamics.step(state)
+    assert np.linalg.norm(state.velocities, axis=1) == pytest.approx(0.5, rel=1e-9)
+    assert (state.velocities[:, 1] < 0.0).all()
+    assert (state.velocities[:, 0] > 0.0).all()
