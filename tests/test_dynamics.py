@@ -130,7 +130,8 @@ def test_runaway_and_nan_are_caught_with_their_place() -> None:
         state.velocities[7, 1] = bad
         with pytest.raises(DivergedError) as caught:
             dynamics.step(state)
-        assert caught.value.particle == 7
+        u, v = cloth.vertex_uv_mm[7]
+        assert f"panel 'rectangle' at ({u:.0f}, {v:.0f}) mm" in str(caught.value)
 
 
 class PushUp:

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from copy import deepcopy
+from dataclasses import dataclass, fields
 
 import numpy as np
 
 from garmentcad.cloth.state import State
 from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.drag import DEFAULT_RATE, ForceDrag
-from garmentcad.solve.dynamics import STEPS_PER_ESTIMATE, Dynamics
+from garmentcad.solve.dynamics import STEPS_PER_ESTIMATE, DivergedError, Dynamics
 from garmentcad.solve.rest import Residual, patches, residual
 
 STEPS_PER_LOOK = 2 * STEPS_PER_ESTIMATE  # a phase begins with a fresh time step
@@ -36,6 +37,7 @@ WATCH_DRAG = 1.0
 WATCH_S = 0.3
 # Below this RMS speed a movement is not called growing: 1 mm/s for 0.3 s is a third of a millimetre.
 STILL_M_S = 1e-3
+SMALLEST_STEP_FACTOR = 1.0 / 8.0  # of the time step that the stiffness allows, to which a run that diverges is taken back before it is given up
 
 
 @dataclass(frozen=True)
@@ -65,16 +67,28 @@ class Course:
         self.last: Residual | None = None
 
     def run(self, state: State, look: Callable[[Progress], None]) -> str:
-        """Advance until rest or the cap. Returns 'converged' or 'max_time'. `look` may raise to interrupt (a checkpoint of `state` is then whole)."""
+        """Advance until rest or the cap. Returns 'converged' or 'max_time'; DivergedError where smaller steps do not help.
+        `look` may raise to interrupt (a checkpoint of `state` is then whole)."""
         dynamics = self.dynamics
         while state.phase != "rest":
             if state.time_s >= self.max_time_s:
                 return "max_time"
             self._set_phase(state)
-            for _ in range(STEPS_PER_LOOK):
-                dynamics.step(state)
-                if state.phase == "watch":
-                    self._watch(state)
+            good = deepcopy(state)
+            try:
+                for _ in range(STEPS_PER_LOOK):
+                    dynamics.step(state)
+                    if state.phase == "watch":
+                        self._watch(state)
+                dynamics.check(state)
+            except DivergedError:
+                # Back to the last state that was whole, and on with a smaller step; what diverges at the smallest is not a matter of the step.
+                if dynamics.step_factor <= SMALLEST_STEP_FACTOR:
+                    raise
+                for part in fields(State):
+                    setattr(state, part.name, getattr(good, part.name))
+                state.run["step_factor"] = 0.5 * dynamics.step_factor
+                continue
             self._decide(state, look)
         return "converged"
 
@@ -83,6 +97,7 @@ class Course:
         # Once watched, a run keeps its true masses: each change of masses shifts what rests on the body by a little, and the residual with it.
         dynamics.equalise = self.mode == "drape" and "watched" not in state.run
         drags = {"fall": FALL_DRAG, "settle": SETTLE_DRAG, "watch": WATCH_DRAG}
+        dynamics.step_factor = state.run.get("step_factor", 1.0)
         dynamics.speed_cap_m_s = SPEED_CAP_M_S if self.mode == "drape" else math.inf
         softness = 1.0
         if self.mode == "drape" and state.phase == "fall":

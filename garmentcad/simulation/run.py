@@ -117,6 +117,9 @@ def run(job: Job, look: Callable[[Progress], None], checkpoint: Path | None = No
     if welding.open_seams:
         warnings += welding.open_seams
         status = "max_time" if status == "converged" else status
+    factor = state.run.get("step_factor", 1.0)
+    if factor < 1.0:
+        warnings.append(f"motion ran away at the time step that the stiffness allows; the run went back and on with {factor:g} of it")
     seconds = {kind: seconds.get(kind, 0.0) + spent for kind, spent in dynamics.seconds.items()}
     wall = {"setup": setup, "drape": time.perf_counter() - began - setup}
     return Outcome(job, welded, materials, dynamics, state, status, welding, wall, seconds, warnings)

@@ -28,11 +28,14 @@ RUNAWAY_M_S = 30.0
 
 
 class DivergedError(GarmentError):
-    """A particle became faster than any garment moves, or not a number. particle: where."""
+    """A particle became faster than any garment moves, or not a number. The message names its place on the pattern."""
 
-    def __init__(self, particle: int, speed: float, time_s: float) -> None:
-        self.particle = particle
-        super().__init__(f"particle {particle} reached {speed:.3g} m/s at {time_s:.4f} s (limit {RUNAWAY_M_S:g} m/s)")
+    def __init__(self, cloth: Cloth, particle: int, speed: float, state: State) -> None:
+        vertex = int(np.argmax(cloth.vertex_particle == particle))
+        u, v = cloth.vertex_uv_mm[vertex]
+        place = f"panel '{cloth.panel_names[cloth.vertex_panel[vertex]]}' at ({u:.0f}, {v:.0f}) mm"
+        when = f"{state.time_s:.4f} s (step {state.step}, phase {state.phase}, time step {1e3 * state.time_step_s:.3g} ms)"
+        super().__init__(f"motion ran away: {place} reached {speed:.3g} m/s at {when}; the limit is {RUNAWAY_M_S:g} m/s")
 
 
 class Dynamics:
@@ -40,7 +43,8 @@ class Dynamics:
 
     equalise: drape mode; masses of particles whose own stable step is shorter than the median's are raised until it is not (the shape at rest does not depend
     on them). speed_cap_m_s: forces make no particle faster than this. The time step rests on tangents that are a few steps old, and tension stiffens with
-    strain: what a weld or a snap sets free must not run ahead of them. fixed: (P,) bool, particles that do not move.
+    strain: what a weld or a snap sets free must not run ahead of them. step_factor: multiplies the time step, for a run
+    that diverged at the step that its stiffness allows. fixed: (P,) bool, particles that do not move.
     """
 
     def __init__(self, cloth: Cloth, forces: ForceAssembly, limit: StrainLimit | None, contacts: Sequence[Contact], fixed: np.ndarray | None = None) -> None:
@@ -48,6 +52,7 @@ class Dynamics:
         self.fixed = np.zeros(cloth.particle_count, dtype=bool) if fixed is None else fixed
         self.equalise = False
         self.speed_cap_m_s = math.inf
+        self.step_factor = 1.0
         self.constraint: ConstraintPoints | None = None
         self.seconds = {"forces": 0.0, "constraints": 0.0, "detection": 0.0, "response": 0.0}
         self._force = np.zeros((cloth.particle_count, 3))
@@ -84,16 +89,16 @@ class Dynamics:
         if self.equalise:
             wanted = float(np.median(own[moving]))
             self.set_inverse_masses(self.true_inverse_masses / np.maximum(1.0, (wanted / own) ** 2))
-            state.time_step_s = wanted
         else:
+            wanted = smallest
             self.set_inverse_masses(self.true_inverse_masses)
-            state.time_step_s = smallest
+        state.time_step_s = self.step_factor * wanted
 
     def step(self, state: State) -> None:
         """One step. DivergedError where motion runs away."""
         if state.step % STEPS_PER_ESTIMATE == 0:
             self.estimate_time_step(state)
-            self._check_runaway(state)
+            self.check(state)
         dt = state.time_step_s
         self.correct_velocities(state, dt)
         advance_positions(state.velocities, dt, state.positions)
@@ -132,12 +137,13 @@ class Dynamics:
         self.forces.add_up(state.positions, np.zeros_like(state.velocities), total)
         return total
 
-    def _check_runaway(self, state: State) -> None:
+    def check(self, state: State) -> None:
+        """DivergedError where a particle is faster than any garment moves, or not a number."""
         motion_measures(state.velocities, self.cloth.masses, self._measures)
         speed = float(self._measures[1])
         if not speed < RUNAWAY_M_S:
             squares = np.nan_to_num((state.velocities**2).sum(axis=1), nan=np.inf)
-            raise DivergedError(int(np.argmax(squares)), speed, state.time_s)
+            raise DivergedError(self.cloth, int(np.argmax(squares)), speed, state)
 
     def measures(self, state: State) -> tuple[float, float, float]:
         """Kinetic energy J, largest speed m/s, RMS speed m/s (mass-weighted)."""

@@ -1,0 +1,64 @@
+"""The course of a drape: a run that diverges goes back to its last whole state and on with a smaller step, or is given up with the place."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from test_dynamics import hanging, linear_fabric
+
+from garmentcad.cloth.lattice import rectangle_cloth
+from garmentcad.cloth.state import State
+from garmentcad.forces.assembly import ForceAssembly
+from garmentcad.forces.drag import ForceDrag
+from garmentcad.forces.gravity import ForceGravity
+from garmentcad.forces.internal import internal_forces
+from garmentcad.simulation.course import SMALLEST_STEP_FACTOR, Course
+from garmentcad.solve.dynamics import DivergedError, Dynamics
+
+MATERIALS = linear_fabric()
+CLOTH = rectangle_cloth(50.0, 100.0, 10.0, 0.0, MATERIALS)
+
+
+class Underestimated(ForceAssembly):
+    """Says that the cloth is softer than it is, so that the step is too large by the root of `share`."""
+
+    share = 1.0
+
+    def stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
+        super().stiffness(positions, out)
+        out /= self.share
+
+
+def course(share: float, max_time_s: float) -> tuple[Course, State]:
+    drag = ForceDrag(CLOTH.masses)
+    forces = Underestimated(internal_forces(CLOTH, MATERIALS), CLOTH.particle_count, [ForceGravity(CLOTH.masses), drag])
+    forces.share = share
+    positions = hanging(CLOTH)
+    dynamics = Dynamics(CLOTH, forces, None, [], positions[:, 1] > 0.0999)
+    start = positions + 1e-5 * np.random.default_rng(0).standard_normal(positions.shape)
+    state = State(start, np.zeros_like(start), phase="fall", run={"phase_from_s": 0.0})
+    dynamics.start(state)
+    return Course(dynamics, drag, lambda softness: forces, "dynamics", max_time_s), state
+
+
+def test_a_step_that_is_too_large_is_found_and_halved_until_it_holds() -> None:
+    made, state = course(share=16.0, max_time_s=0.1)
+    looked: list[int] = []
+    assert made.run(state, lambda progress: looked.append(progress.step)) == "max_time"
+    assert SMALLEST_STEP_FACTOR <= state.run["step_factor"] <= 0.5
+    assert np.abs(state.positions - hanging(CLOTH)).max() < 5e-3
+    assert looked == sorted(looked)
+    assert len(set(looked)) == len(looked)  # a stretch that was undone is not told
+
+
+def test_no_retreat_where_the_step_is_right() -> None:
+    made, state = course(share=1.0, max_time_s=0.05)
+    assert made.run(state, lambda progress: None) == "max_time"
+    assert "step_factor" not in state.run
+
+
+def test_what_smaller_steps_do_not_help_is_given_up_with_its_place() -> None:
+    made, state = course(share=4096.0, max_time_s=1.0)
+    with pytest.raises(DivergedError, match=r"panel 'rectangle' at \(\d+, \d+\) mm reached .* phase fall"):
+        made.run(state, lambda progress: None)
+    assert state.run["step_factor"] == SMALLEST_STEP_FACTOR
