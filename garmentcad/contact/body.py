@@ -231,7 +231,7 @@ def _respond(surface, near, grip, positions, time_step, velocities, work):  # ty
 class ContactBody:
     """Cloth on a still body (vertices (V,3) m, faces (F,3) counter-clockwise from outside).
 
-    Gap of the mid-surfaces: half the fabric's thickness, at least 1 mm, and at least 0.5 mm + h^2/(4R) where the body bulges with radius R, because a
+    Gap of the mid-surfaces: half the fabric's thickness, at least 1 mm, and at least 0.6 mm + h^2/(4R) where the body bulges with radius R, because a
     flat triangle dips that much between its particles. inverse_masses (P,): 0 for particles that something else moves; default from the cloth.
     """
 
