@@ -37,12 +37,13 @@ COLUMNS = {
     "warp p99 %": "strain_percent.warp.p99:.2f", "weft p99 %": "strain_percent.weft.p99:.2f", "bar %": "strain_bar_percent:.2f",
     "seam gap mm": "seam_gap_mm.max:.2f",
     "penetration mm": "mannequin_penetration_mm.max:.2f", "self x": "self_intersections", "body x": "mannequin_intersections",
-    "waist ease mm": "ease_mm.waist:.0f", "waist drop mm": "waist_drop_mm:.1f", "armhole off mm": "armhole_to_shoulder_mm.left:.1f", "hem mm": "hem_height_mm:.0f",
+    "waist ease mm": "ease_mm.waist:.0f", "waist drop mm": "waist_drop_mm:.1f", "armhole off mm": "armhole_to_shoulder_mm.left:.1f",
+    "hem mm": "hem_height_mm:.0f",
 }  # fmt: skip
 
 
 def strain_bar(job: Job, result: Result) -> float:
-    """Largest 99th percentile of strain that is allowed: 1 %, or 1.5 times the sheet's warp strain at the weight per girth of the line that carries the garment.
+    """Largest 99th percentile of strain that is allowed: 1 %, or 1.5 times the sheet's warp strain at weight per girth of the line that carries the garment.
 
     That line is the waist edge of a skirt, the neckline of a shirt.
     """
