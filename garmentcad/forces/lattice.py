@@ -70,13 +70,14 @@ def _elements_of(chunk, pieces, coefficients, setting, motion, scratch):  # type
     h, damping_time = setting
     least_square = (SHORTEST * h) ** 2
     room = (np.empty((12, PIECE)), np.empty((3, PIECE)), np.empty((9, PIECE)))
+    beside = np.int64(1)  # a literal would make the row kernels compile for a type of its own
     begin, end = chunk_range(chunk, len(pieces.first))
     for k in range(begin, end):
         first, count, columns = np.int64(pieces.first[k]), np.int64(pieces.size[k]), np.int64(pieces.columns[k])
-        stretch_row((first, 1, count), coefficients[_C_WEFT:_C_WARP], 1.0 / h, damping_time, motion, scratch[_WEFT:_WARP])
+        stretch_row((first, beside, count), coefficients[_C_WEFT:_C_WARP], 1.0 / h, damping_time, motion, scratch[_WEFT:_WARP])
         stretch_row((first, columns, count), coefficients[_C_WARP:_C_SHEAR], 1.0 / h, damping_time, motion, scratch[_WARP:_CELL])
         _cells((first, columns, count), coefficients, setting, motion, room, scratch[_CELL:_BEND_WEFT])
-        bend_row((first, 1, count), coefficients[_C_BEND_WEFT], least_square, motion, scratch[_BEND_WEFT:_BEND_WARP])
+        bend_row((first, beside, count), coefficients[_C_BEND_WEFT], least_square, motion, scratch[_BEND_WEFT:_BEND_WARP])
         bend_row((first, columns, count), coefficients[_C_BEND_WARP], least_square, motion, scratch[_BEND_WARP:_ALL])
 
 
