@@ -74,7 +74,7 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
         energy_j={
             "stretch": _sum(energy, "stretch", "border"),
             "shear": energy.get("shear"),
-            "bend": _sum(energy, "bend", "twist", "hinge"),
+            "bend": _sum(energy, "bend", "twist", "hinge", "span"),
             "gravity": energy.get("gravity"),
             "friction_work": state.work_j["friction"],
             "damping_work": None,  # drape mode changes masses and stiffness on the way: its damping is no energy of the cloth

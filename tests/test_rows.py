@@ -1,0 +1,65 @@
+"""The padded rows of a whole garment: its lattice forces are the gradient of energies that are summed over the element lists, without rows."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from small_cloth import materials as two_materials
+from small_cloth import small_cloth
+
+from garmentcad.cloth.cloth import Cloth
+from garmentcad.cloth.lattice import build_cloth
+from garmentcad.cloth.weld import weld
+from garmentcad.fabric.material import MaterialTable
+from garmentcad.forces.force import NO_PARTICLE
+from garmentcad.forces.lattice import ForceLattice
+from garmentcad.forces.rows import LatticeSlots
+from garmentcad.placement.place import place_vertices
+from garmentcad.simulation.job import make_job
+from garmentcad.simulation.materials import lay_out
+
+
+@pytest.fixture(scope="module", params=["straight-skirt", "t-shirt"])
+def garment(request: pytest.FixtureRequest) -> tuple[Cloth, MaterialTable, np.ndarray]:
+    """Several panels of different widths, regions included, laid around the body and shaken."""
+    job = make_job(request.param, "wool-suiting", "woman-88", grid_mm=25.0)
+    materials, material_of = lay_out(job)
+    cloth, _ = weld(build_cloth(job.pattern, material_of, materials, job.grid_mm))
+    positions = np.empty((cloth.particle_count, 3))
+    positions[cloth.vertex_particle] = place_vertices(job.pattern, cloth, job.mannequin)
+    return cloth, materials, positions + 1e-3 * np.random.default_rng(4).standard_normal(positions.shape)
+
+
+@pytest.mark.parametrize("law", ForceLattice.LAWS)
+def test_forces_of_several_panels_are_the_gradient_of_the_energy(garment: tuple[Cloth, MaterialTable, np.ndarray], law: str) -> None:
+    cloth, materials, positions = garment
+    force = ForceLattice(cloth, materials, (law,))
+    corner_forces = np.full((len(force.corners), 3), np.nan)
+    force.write_forces(positions, np.zeros_like(positions), corner_forces)
+    used = force.corners != NO_PARTICLE
+    total = np.zeros_like(positions)
+    np.add.at(total, force.corners[used], corner_forces[used])
+    for seed in range(4):  # one direction moves all particles, another a twentieth of them
+        rng = np.random.default_rng(seed)
+        direction = rng.standard_normal(positions.shape) * ((rng.random(len(positions)) < 0.05)[:, None] if seed % 2 else 1.0)
+        step = 1e-7
+        slope = [force.energy(positions + k * step * direction) for k in (-2, -1, 1, 2)]
+        expected = -(slope[0] - 8.0 * slope[1] + 8.0 * slope[2] - slope[3]) / (12.0 * step)
+        assert np.sum(total * direction) == pytest.approx(expected, rel=1e-5, abs=1e-7 * np.linalg.norm(total) * np.linalg.norm(direction))
+
+
+def test_a_link_that_joins_no_neighbours_is_refused() -> None:
+    cloth = small_cloth()
+    ends = cloth.links.ends.copy()
+    ends[0, 1] += 1
+    with pytest.raises(ValueError, match="two neighbours"):
+        ForceLattice(Cloth(**{**cloth.__dict__, "links": cloth.links._replace(ends=ends)}), two_materials())
+
+
+def test_every_lattice_particle_has_one_slot(garment: tuple[Cloth, MaterialTable, np.ndarray]) -> None:
+    cloth, _, _ = garment
+    slots = LatticeSlots(cloth)
+    pieces = slots.pieces
+    held = np.concatenate([pieces.particle[first : first + size] for first, size in zip(pieces.first, pieces.size, strict=True)])
+    expected = np.sort(cloth.vertex_particle[~cloth.vertex_on_contour])
+    np.testing.assert_array_equal(np.sort(held[held != NO_PARTICLE]), expected)
