@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import igl
 import ipctk
 import numpy as np
@@ -55,18 +53,16 @@ class Sheet:
         state.velocities += dt * (total / self.cloth.masses[:, None] + [0.0, -9.81, 0.0])
         state.velocities /= 1.0 + drag * dt
 
-    def step(self, state: State, dt: float, contacts: Sequence[Contact]) -> None:
+    def step(self, state: State, dt: float, contact: Contact) -> None:
         self.pull(state, dt)
-        correct(state, dt, contacts)
-        state.positions += dt * state.velocities
+        state.positions += correct(state, dt, contact) * dt * state.velocities
         state.step += 1
 
 
-def correct(state: State, dt: float, contacts: Sequence[Contact]) -> None:
-    """The contact part of a step."""
-    for contact in contacts:
-        contact.detect(state, reserve(state, dt))
-        contact.respond(state, dt)
+def correct(state: State, dt: float, contact: Contact) -> float:
+    """The contact part of a step; the part of the step that is safe."""
+    contact.detect(state, reserve(state, dt))
+    return contact.respond(state, dt)
 
 
 def reserve(state: State, dt: float) -> float:

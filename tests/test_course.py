@@ -8,12 +8,13 @@ from test_dynamics import hanging, linear_fabric
 
 from garmentcad.cloth.lattice import rectangle_cloth
 from garmentcad.cloth.state import State
+from garmentcad.contact.contact import Contact
 from garmentcad.forces.assembly import ForceAssembly
-from garmentcad.forces.drag import ForceDrag
 from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
 from garmentcad.simulation.course import SMALLEST_STEP_FACTOR, Course
 from garmentcad.solve.dynamics import DivergedError, Dynamics
+from garmentcad.solve.strain_limit import strain_limit
 
 MATERIALS = linear_fabric()
 CLOTH = rectangle_cloth(50.0, 100.0, 10.0, 0.0, MATERIALS)
@@ -30,15 +31,14 @@ class Underestimated(ForceAssembly):
 
 
 def course(share: float, max_time_s: float) -> tuple[Course, State]:
-    drag = ForceDrag(CLOTH.masses)
-    forces = Underestimated(internal_forces(CLOTH, MATERIALS), CLOTH.particle_count, [ForceGravity(CLOTH.masses), drag])
+    forces = Underestimated(internal_forces(CLOTH, MATERIALS), CLOTH.particle_count, [ForceGravity(CLOTH.masses)])
     forces.share = share
     positions = hanging(CLOTH)
-    dynamics = Dynamics(CLOTH, forces, None, [], positions[:, 1] > 0.0999)
+    dynamics = Dynamics(CLOTH, forces, strain_limit(CLOTH, MATERIALS), Contact(CLOTH, MATERIALS), positions[:, 1] > 0.0999)
     start = positions + 1e-5 * np.random.default_rng(0).standard_normal(positions.shape)
     state = State(start, np.zeros_like(start), phase="fall", run={"phase_from_s": 0.0})
     dynamics.start(state)
-    return Course(dynamics, drag, lambda softness: forces, "dynamics", max_time_s), state
+    return Course(dynamics, lambda softness: forces, "dynamics", max_time_s), state
 
 
 def test_a_step_that_is_too_large_is_found_and_halved_until_it_holds() -> None:

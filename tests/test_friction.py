@@ -7,8 +7,7 @@ import pytest
 import trimesh
 from loose_sheet import Sheet, correct, fabric
 
-from garmentcad.contact.body import ContactBody
-from garmentcad.contact.cloth import ContactCloth
+from garmentcad.contact.contact import Contact
 
 DT = 1.5e-4
 MU = 0.35
@@ -25,14 +24,14 @@ def slide_on_body(degrees: float, steps: int) -> tuple[np.ndarray, float]:
     turn = tilted(degrees)
     box = trimesh.creation.box(extents=(0.5, 0.1, 0.5)).subdivide().subdivide()
     sheet = Sheet(4)
-    contact = ContactBody(box.vertices @ turn.T, box.faces, sheet.cloth, fabric(MU))
+    contact = Contact(sheet.cloth, fabric(MU), (box.vertices @ turn.T, box.faces), itself=False)
     state = sheet.state(sheet.at(0, 0.05 + 1e-3, 0) @ turn.T)
     contact.start(state)
     for step in range(steps + 20):
         if step == 20:
             start = state.positions.copy()
         sheet.pull(state, DT, drag=0.0)
-        correct(state, DT, [contact])
+        correct(state, DT, contact)
         state.positions += DT * state.velocities
     return (start - state.positions) @ turn[:, 0], state.work_j["friction"]
 
@@ -65,7 +64,7 @@ def test_sheet_on_a_held_sheet(offset: float, sticks: bool) -> None:
     positions[count:] += [0.0013, 1e-3, 0.0017]
     held = np.arange(2 * count) < count
     inverse = np.where(held, 0.0, 1.0 / cloth.masses)
-    contact = ContactCloth(cloth, fabric(MU), inverse)
+    contact = Contact(cloth, fabric(MU), inverse_masses=inverse)
     state = sheet.state(positions @ turn.T)
     contact.start(state)
     steps = 400
@@ -74,7 +73,7 @@ def test_sheet_on_a_held_sheet(offset: float, sticks: bool) -> None:
             start = state.positions.copy()
         sheet.pull(state, DT, drag=0.0)
         state.velocities[held] = 0.0
-        correct(state, DT, [contact])
+        correct(state, DT, contact)
         state.positions += DT * state.velocities
     way = ((start - state.positions) @ turn[:, 0])[count:]
     angle = np.radians(SLIP + offset)

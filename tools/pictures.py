@@ -10,19 +10,17 @@ from trimesh.creation import icosphere
 
 from garmentcad.cloth.lattice import rectangle_cloth
 from garmentcad.cloth.state import State
-from garmentcad.contact.body import ContactBody
-from garmentcad.contact.cloth import ContactCloth
+from garmentcad.contact.contact import Contact
 from garmentcad.export.picture import render_picture
 from garmentcad.fabric.material import material_row, material_table
 from garmentcad.forces.assembly import ForceAssembly
-from garmentcad.forces.drag import ForceDrag
 from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
 from garmentcad.io.fabric_file import fabric_path, load_fabric
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.simulation.course import Course
 from garmentcad.solve.dynamics import Dynamics
-from garmentcad.solve.strain_limit import StrainLimit
+from garmentcad.solve.strain_limit import strain_limit
 
 ROOT = Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "docs" / "pictures"
@@ -57,18 +55,17 @@ def swatch(kind: str, fabric: str) -> Path:
     top = positions[:, 1].max()
     held = (positions[:, 1] > top - 1e-6) & ((np.abs(flat[:, 0]) > 0.149) | (kind == "bias")) if kind != "ball" else np.zeros(len(flat), dtype=bool)
     positions += 1e-5 * np.random.default_rng(0).standard_normal(positions.shape)
-    drag = ForceDrag(cloth.masses)
 
     def forces_at(softness: float) -> ForceAssembly:
         softer = materials._replace(tension_force=materials.tension_force / softness, tension_slope=materials.tension_slope / softness)
-        return ForceAssembly(internal_forces(cloth, softer), cloth.particle_count, [ForceGravity(cloth.masses), drag])
+        return ForceAssembly(internal_forces(cloth, softer), cloth.particle_count, [ForceGravity(cloth.masses)])
 
     body = ball(0.06) if kind == "ball" else None
-    contacts = [ContactCloth(cloth, materials)] + ([] if body is None else [ContactBody(body.vertices, body.faces, cloth, materials)])
-    dynamics = Dynamics(cloth, forces_at(1.0), StrainLimit(cloth, materials), contacts, held)
+    contact = Contact(cloth, materials, None if body is None else (body.vertices, body.faces))
+    dynamics = Dynamics(cloth, forces_at(1.0), strain_limit(cloth, materials), contact, held)
     state = State(positions, np.zeros_like(positions), phase="fall", run={"phase_from_s": 0.0})
     dynamics.start(state)
-    status = Course(dynamics, drag, forces_at, "drape", 15.0).run(state, lambda progress: None)
+    status = Course(dynamics, forces_at, "drape", 15.0).run(state, lambda progress: None)
     print(kind, fabric, status, f"{state.time_s:.1f} s", flush=True)
     return render_picture(FOLDER / f"swatch-{kind}-{fabric}.png", state.positions, cloth, body, "three-quarter")
 

@@ -15,12 +15,15 @@ demands: they would stand still before they meet. So a closing speed has a floor
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import coo_matrix, csr_matrix, diags
 from scipy.sparse.csgraph import connected_components
 
+from garmentcad.arrays import floats, indices, kernel
 from garmentcad.errors import InputError
 
 
@@ -39,6 +42,87 @@ def stitch_rows(stitches: np.ndarray, names: tuple[str, ...]) -> PointRows:
     """Rows that bring the two particles of each stitch (S,2) together."""
     count = len(stitches)
     return PointRows(np.repeat(np.arange(count), 2), stitches.ravel(), np.tile([1.0, -1.0], count), np.zeros((count, 3)), names)
+
+
+class Rows(NamedTuple):
+    """A sparse matrix by rows."""
+
+    starts: np.ndarray  # (R+1,) int32
+    columns: np.ndarray  # (K,) int32
+    values: np.ndarray  # (K,)
+
+
+class Bonds(NamedTuple):
+    """What kernels need of constraints: J, A^-1 and M^-1 J^T, targets, and the demanded speeds, which change."""
+
+    jacobian: Rows
+    solved: Rows
+    spread: Rows
+    targets: np.ndarray  # (R,3) m
+    wanted: np.ndarray  # (R,3) m/s
+    room: np.ndarray  # (R,3) scratch
+    numbers: np.ndarray  # (3,) rate 1/s, least speed m/s, largest force N
+
+
+@kernel
+def _row_times(rows, r, vectors):  # type: ignore[no-untyped-def]
+    x = y = z = 0.0
+    for j in range(rows.starts[r], rows.starts[r + 1]):
+        c, value = rows.columns[j], rows.values[j]
+        x, y, z = x + value * vectors[c, 0], y + value * vectors[c, 1], z + value * vectors[c, 2]
+    return x, y, z
+
+
+@kernel
+def demand_speeds(bonds, positions, time_step):  # type: ignore[no-untyped-def]
+    """Demanded C' after this step, in place, from the gaps and the demanded C' at its beginning."""
+    rate, least_speed = bonds.numbers[0], bonds.numbers[1]
+    for r in range(len(bonds.targets)):
+        gap = _row_times(bonds.jacobian, r, positions)
+        length = along = 0.0
+        for axis in range(3):
+            difference = gap[axis] - bonds.targets[r, axis]
+            bonds.wanted[r, axis] = (1.0 - 2.0 * rate * time_step) * bonds.wanted[r, axis] - rate**2 * time_step * difference
+            length += difference * difference
+            along -= difference * bonds.wanted[r, axis]
+        length = max(math.sqrt(length), 1e-12)
+        lacking = min(least_speed, 0.1 * length / time_step) - along / length
+        if least_speed > 0.0 and lacking > 0.0:
+            for axis in range(3):
+                bonds.wanted[r, axis] -= lacking * (gap[axis] - bonds.targets[r, axis]) / length
+
+
+@kernel
+def correct_speeds(bonds, time_step, velocities):  # type: ignore[no-untyped-def]
+    """Add to velocities, in place, what the constraint forces of this step add."""
+    count, largest = len(bonds.targets), bonds.numbers[2] * time_step
+    lacking = np.empty((count, 3))
+    for r in range(count):
+        speed = _row_times(bonds.jacobian, r, velocities)
+        for axis in range(3):
+            lacking[r, axis] = bonds.wanted[r, axis] - speed[axis]
+    for r in range(count):
+        impulse = _row_times(bonds.solved, r, lacking)
+        size = math.sqrt(impulse[0] ** 2 + impulse[1] ** 2 + impulse[2] ** 2)
+        share = largest / size if size > largest else 1.0
+        for axis in range(3):
+            bonds.room[r, axis] = share * impulse[axis]
+    for p in range(len(bonds.spread.starts) - 1):
+        if bonds.spread.starts[p + 1] > bonds.spread.starts[p]:
+            change = _row_times(bonds.spread, p, bonds.room)
+            for axis in range(3):
+                velocities[p, axis] += change[axis]
+
+
+def _rows(matrix: csr_matrix) -> Rows:
+    return Rows(indices(matrix.indptr), indices(matrix.indices), floats(matrix.data))
+
+
+def no_bonds() -> Bonds:
+    """No constraint at all."""
+    empty = Rows(np.zeros(1, np.int32), np.zeros(0, np.int32), np.zeros(0))
+    none = np.zeros((0, 3))
+    return Bonds(empty, empty, empty, none, none, none, np.zeros(3))
 
 
 class ConstraintPoints:
@@ -92,20 +176,9 @@ class ConstraintPoints:
         """C' (R,3), m/s, for targets at rest."""
         return self._jacobian @ velocities
 
-    def next_speeds(self, positions: np.ndarray, speeds: np.ndarray, time_step_s: float) -> np.ndarray:
-        """Demanded C' (R,3) after this step, from the gaps and the demanded C' at its beginning."""
-        gaps = self.gaps(positions)
-        speeds = (1.0 - 2.0 * self.rate * time_step_s) * speeds - self.rate**2 * time_step_s * gaps
-        if self.least_speed == 0.0:
-            return speeds
-        length = np.maximum(np.linalg.norm(gaps, axis=1), 1e-12)
-        toward = -gaps / length[:, None]
-        lacking = np.minimum(self.least_speed, 0.1 * length / time_step_s) - (speeds * toward).sum(axis=1)
-        return speeds + np.maximum(lacking, 0.0)[:, None] * toward
-
-    def correct(self, velocities: np.ndarray, wanted: np.ndarray, time_step_s: float) -> None:
-        """Add to velocities (P,3), in place, what the constraint forces of this step add."""
-        impulses = self._solved @ (wanted - self.speeds(velocities))
-        sizes = np.sqrt((impulses**2).sum(axis=1))
-        impulses *= np.minimum(1.0, self.cap * time_step_s / np.maximum(sizes, 1e-300))[:, None]
-        velocities += self._spread @ impulses
+    def bonds(self, wanted: np.ndarray) -> Bonds:
+        """The constraints as `demand_speeds` and `correct_speeds` need them; wanted (R,3): the demanded C', which they change in place."""
+        return Bonds(
+            _rows(self._jacobian), _rows(self._solved), _rows(self._spread), floats(self.targets), wanted, np.zeros_like(wanted),
+            floats([self.rate, self.least_speed, self.cap]),
+        )  # fmt: skip

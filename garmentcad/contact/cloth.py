@@ -1,4 +1,4 @@
-"""Cloth against itself: vertex-triangle and edge-edge pairs within and between panels."""
+"""Cloth against itself: which vertices and triangles, edges and edges are near each other, within and between panels."""
 
 from __future__ import annotations
 
@@ -7,84 +7,44 @@ from scipy.sparse import csr_matrix
 
 from garmentcad.arrays import floats
 from garmentcad.cloth.cloth import Cloth
-from garmentcad.cloth.state import State
 from garmentcad.cloth.weld import welded_particles
 from garmentcad.contact.bvh import EDGE_EDGE_ONCE, POINT_TRIANGLE, build_tree, fitted_tree, near_pairs, refit
-from garmentcad.contact.elements import LEAST_GAP, elements, largest_around, unique_edges
-from garmentcad.contact.pairs import Stand, candidates, farthest, keep_apart, load_pairs, room_for, store_pairs
-from garmentcad.fabric.material import MaterialTable
+from garmentcad.contact.elements import elements, unique_edges
 from garmentcad.units import MM_TO_M
 
-_MARGIN = 0.5  # of the lattice spacing: pairs closer than gap + margin are candidates
 _REST = 1.2  # pairs whose rest distance along the cloth is below this many gaps are left out
 _PANEL_SHIFT = 100.0  # m between panels where they are laid out for their rest distances
 
 
-class ContactCloth:
-    """Keeps a cloth's parts apart by the fabric's thickness, at least 1 mm, between mid-surfaces.
+class ClothElements:
+    """Vertices, edges and triangles of a cloth, and which of their pairs are in reach of each other. Particles that are stitched together count as one."""
 
-    Particles that are stitched together count as one already. inverse_masses (P,): 0 for particles that something else moves; default from the cloth.
-    """
-
-    name = "cloth"
-
-    def __init__(self, cloth: Cloth, materials: MaterialTable, inverse_masses: np.ndarray | None = None) -> None:
+    def __init__(self, cloth: Cloth, largest_gap: float) -> None:
         count, triangles = cloth.particle_count, cloth.particle_triangles
         identity = np.asarray(welded_particles(cloth))
-        self.set_inverse_masses(1.0 / cloth.masses if inverse_masses is None else inverse_masses)
-        self._gap = np.maximum(largest_around(cloth, materials.thickness), LEAST_GAP)
-        self._friction = largest_around(cloth, materials.friction_cloth)
-        self._stand: Stand | None = None
-        self._margin = _MARGIN * cloth.spacing
-        self._most = 2.0 * cloth.spacing  # m, up to which a faster motion widens the margin; beyond it a run is lost anyway
-        self._points = elements(np.unique(triangles), identity)
-        self._triangles = elements(triangles, identity)
+        self.points = elements(np.unique(triangles), identity)
+        self.triangles = elements(triangles, identity)
         edges = unique_edges(triangles)
-        self._edges = elements(edges, identity)
+        self.edges = elements(edges, identity)
         # Neighbours on the pattern stay neighbours on the body, so the trees are built there, once.
         rest = np.zeros((count, 3))
         rest[cloth.vertex_particle] = _laid_out(cloth)
         self._triangle_tree = build_tree(_laid_out(cloth)[cloth.triangles].mean(axis=1))
         self._edge_tree = build_tree(rest[edges].mean(axis=1))
-        self._neighbours = _Neighbours(cloth, identity, edges, _REST * float(self._gap.max(initial=LEAST_GAP)))
+        self._neighbours = _Neighbours(cloth, identity, edges, _REST * largest_gap)
 
-    def start(self, state: State) -> None:
-        """Find the first candidates."""
-        self._find_pairs(state)
-
-    def set_inverse_masses(self, inverse_masses: np.ndarray) -> None:
-        """See `Contact.set_inverse_masses`."""
-        self.inverse_masses = floats(inverse_masses)
-
-    def detect(self, state: State, reserve_m: float) -> bool:
-        """See `Contact.detect`. Two parts come closer by at most twice the longest way."""
-        if 2.0 * (farthest(state.positions, state.contact[f"{self.name}_pair_home"]) + reserve_m) <= float(state.contact[f"{self.name}_pair_margin"][0]):
-            return False
-        self._find_pairs(state, 4.0 * reserve_m)
-        return True
-
-    def respond(self, state: State, time_step_s: float) -> None:
-        """See `Contact.respond`. `state.run["unresolved_contacts"]` counts the pairs that the fail-safe could not stop."""
-        pairs = load_pairs(state, self.name)
-        self._stand = room_for(pairs, self._stand)
-        work, unresolved = keep_apart(pairs, self._stand, state.positions, state.velocities, self.inverse_masses, time_step_s)
-        state.work_j["friction"] += work
-        if unresolved:
-            state.run["unresolved_contacts"] = state.run.get("unresolved_contacts", 0.0) + unresolved
-
-    def _find_pairs(self, state: State, least_margin: float = 0.0) -> None:
-        positions, margin = state.positions, max(self._margin, min(least_margin, self._most))
-        reach = float(self._gap.max(initial=LEAST_GAP)) + margin
-        refit(self._triangle_tree, self._triangles.nodes, positions)
-        refit(self._edge_tree, self._edges.nodes, positions)
+    def pairs(self, positions: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:
+        """Nodes (N,4) of vertex-triangle and of edge-edge pairs of the cloth with itself that are closer than `reach` m, neighbours left out."""
+        refit(self._triangle_tree, self.triangles.nodes, positions)
+        refit(self._edge_tree, self.edges.nodes, positions)
         both = (positions, positions)
-        touched = near_pairs(POINT_TRIANGLE, reach, self._points, self._triangles, self._triangle_tree, both)
-        crossed = near_pairs(EDGE_EDGE_ONCE, reach, self._edges, self._edges, self._edge_tree, both)
-        touched = touched[~self._neighbours.vertex_triangle(self._points.nodes[touched[:, 0], 0], touched[:, 1])]
+        touched = near_pairs(POINT_TRIANGLE, reach, self.points, self.triangles, self._triangle_tree, both)
+        crossed = near_pairs(EDGE_EDGE_ONCE, reach, self.edges, self.edges, self._edge_tree, both)
+        touched = touched[~self._neighbours.vertex_triangle(self.points.nodes[touched[:, 0], 0], touched[:, 1])]
         crossed = crossed[~self._neighbours.edge_edge(crossed[:, 0], crossed[:, 1])]
-        points = np.concatenate([self._points.nodes[touched[:, 0], :1], self._triangles.nodes[touched[:, 1]]], axis=1)
-        edges = np.concatenate([self._edges.nodes[crossed[:, 0], :2], self._edges.nodes[crossed[:, 1], :2]], axis=1)
-        store_pairs(state, self.name, candidates(points, edges, positions, self._gap, self._friction), margin)
+        points = np.concatenate([self.points.nodes[touched[:, 0], :1], self.triangles.nodes[touched[:, 1]]], axis=1)
+        edges = np.concatenate([self.edges.nodes[crossed[:, 0], :2], self.edges.nodes[crossed[:, 1], :2]], axis=1)
+        return points, edges
 
 
 class _Neighbours:

@@ -1,32 +1,201 @@
-"""What the stepper knows of a contact."""
+"""Contact of a cloth with itself and with a body: candidates found now and then, distances kept in every step.
+
+In a step, after all else that changes velocities: pairs of elements are solved together by impulses, particles on the body are held by planes, which have
+the last word on velocities, and a continuous test makes sure that nothing passes in the step; a step that would is cut.
+
+The clock: no two points come closer faster than the fastest node moves. Candidates serve until a node has gone the way that their margin covers, and of
+them only those matter whose slack the way since then has used up.
+"""
 
 from __future__ import annotations
 
-from typing import Protocol
-
 import numpy as np
 
+from garmentcad.arrays import CHUNKS, floats, kernel
+from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.state import State
+from garmentcad.contact.body import LARGEST_GAP, BodyElements
+from garmentcad.contact.bvh import Tree
+from garmentcad.contact.cloth import ClothElements
+from garmentcad.contact.elements import LEAST_GAP, largest_around
+from garmentcad.contact.pairs import (
+    Pairs,
+    carry_over,
+    fastest_of,
+    joined,
+    keep_apart,
+    make_pairs,
+    pairs_in_reach,
+    room_for,
+    sorted_by_slack,
+    stop_collisions,
+    take_stand,
+)  # fmt: skip
+from garmentcad.contact.planes import Grip, Planes, fresh_planes, respond_planes
+from garmentcad.contact.surface import Surface
+from garmentcad.fabric.material import MaterialTable
+from garmentcad.geometry.closest import distance_between
+
+ELEMENT_GAP = 0.15e-3  # m, of body vertices and edges against cloth triangles and edges
+_COVERED = 0.25  # of the lattice spacing: the way of any node that one detection covers at least
+SURGE = 1.5  # fastest speed after a response, in fastest speeds before it, up to which the candidates in reach were chosen right
+_WORTH = 1000  # pairs in reach above which it pays to measure the slack of all anew (see `refresh`)
 
 
-class Contact(Protocol):
-    """Keeps distances. In a step: detect, forces, constraints, strain limiting, then `respond` of the cloth and last that of the body."""
+@kernel
+def farthest(positions, home):  # type: ignore[no-untyped-def]
+    """The longest way from `home` to `positions`, of the rows of home (P,3), m."""
+    way = 0.0
+    for n in range(len(home)):
+        way = max(way, distance_between(positions, home, n))
+    return way
 
-    name: str
 
-    def start(self, state: State) -> None:
-        """Allocate the detection clock and the candidate lists in `state.contact`, under keys that begin with the name. Everything that a later
-        step reads lies there, so that a copied or reloaded State goes on with the same bits."""
+@kernel
+def respond(contact, motion, way, fastest):  # type: ignore[no-untyped-def]
+    """Correct velocities in place, so that positions + time_step * velocities keep their distances.
+
+    contact: `Contact.arguments`; motion: positions, velocities, inverse masses of all nodes, time step; way: m, longest since detection, or a bound of it;
+    fastest: m/s. Returns the part of the step that is safe, the pair that limits it (-1: none), the work of friction on the cloth, J, and the fastest speed.
+    """
+    surface, tree, largest, grip, planes, pairs, stand, out = contact
+    positions, velocities, inverse_masses, time_step = motion
+    work, part, worst = 0.0, 1.0, -1
+    count = pairs_in_reach(pairs, way + SURGE * fastest * time_step)
+    if count > 0:
+        work += keep_apart(count, pairs, stand, planes, motion)
+    respond_planes(surface, tree, largest, planes, grip, positions, velocities, inverse_masses, time_step, out)
+    square = 0.0
+    for chunk in range(len(out)):
+        work += out[chunk, 0]
+        square = max(square, out[chunk, 1])
+    speed = np.sqrt(square)
+    if speed > SURGE * fastest:
+        count = pairs_in_reach(pairs, way + speed * time_step)
+        take_stand(count, pairs, positions, velocities, time_step, stand)
+    if count > 0:
+        part, worst, touched = stop_collisions(count, pairs, stand, planes, speed, motion)
+        if touched:
+            speed = fastest_of(velocities)
+    return part, worst, work, speed
+
+
+class Contact:
+    """Keeps a cloth's parts apart by the fabric's thickness, and off a body by half of it, at least 1 mm each, between mid-surfaces.
+
+    body: vertices (V,3) m and faces (F,3) counter-clockwise from outside, or None. Where it bulges with radius R the gap is at least 0.6 mm + h^2/(4R).
+    itself: whether the cloth's parts see each other. inverse_masses (P,): 0 for particles that something else moves; default from the cloth.
+    """
+
+    def __init__(
+        self,
+        cloth: Cloth,
+        materials: MaterialTable,
+        body: tuple[np.ndarray, np.ndarray] | None = None,
+        itself: bool = True,
+        inverse_masses: np.ndarray | None = None,
+    ) -> None:
+        thickness = largest_around(cloth, materials.thickness)
+        self._cloth_gap, body_gap = np.maximum(thickness, LEAST_GAP), np.maximum(0.5 * thickness, LEAST_GAP)
+        self._cloth_friction, self._body_friction = (largest_around(cloth, values) for values in (materials.friction_cloth, materials.friction_body))
+        self._elements = ClothElements(cloth, float(self._cloth_gap.max(initial=LEAST_GAP)))
+        self._body, self._itself = None if body is None else BodyElements(*body), itself
+        self._spacing = cloth.spacing
+        if self._body is None:
+            self._surface = Surface(np.zeros((0, 3)), np.zeros((0, 3), np.int32), np.zeros((0, 7, 3)))
+            self._tree, rise = Tree(np.zeros(0, np.int32), np.zeros((2, 6))), np.zeros(0)
+        else:
+            self._surface, self._tree, rise = self._body.surface, self._body.face_tree, self._body.rise(cloth.spacing)
+        cap = LARGEST_GAP * cloth.spacing
+        self._largest = float(max(body_gap.max(initial=0.0), min(rise.max(initial=0.0), cap)))
+        self._grip = Grip(body_gap, rise, np.array([cap]), self._body_friction)
+        self.count, self.nodes = cloth.particle_count, cloth.particle_count + len(self._surface.vertices)
+        self.positions = np.concatenate([np.zeros((self.count, 3)), self._surface.vertices])
+        self.velocities = np.zeros_like(self.positions)
+        self.inverse_masses = np.zeros(self.nodes)
+        self.set_inverse_masses(1.0 / cloth.masses if inverse_masses is None else inverse_masses)
+        self._out = np.zeros((CHUNKS, 2))
+        self._stand_for: np.ndarray | None = None
 
     def set_inverse_masses(self, inverse_masses: np.ndarray) -> None:
         """Inertia (P,) 1/kg that shares impulses between particles from now on; 0 for a particle that contact must not move."""
+        self.inverse_masses[: self.count] = floats(inverse_masses)
+
+    def start(self, state: State) -> None:
+        """Allocate the detection clock and the candidate lists in `state.contact`, and look. Everything that a later step reads lies there, so that a copied
+        or reloaded State goes on with the same bits."""
+        state.contact |= {f"planes_{key}": array for key, array in fresh_planes(state.positions)._asdict().items()}
+        if self._body is None:
+            state.contact["planes_allowance"][:] = np.inf
+        self._find_pairs(state, 0.0)
 
     def detect(self, state: State, reserve_m: float) -> bool:
-        """Look for candidates again where the way travelled since the last look plus `reserve_m` exceeds what that look covers.
+        """Look for candidates again where the longest way since the last look plus `reserve_m`, the most that a node goes in the coming step, exceeds what
+        that look covers. True if it did."""
+        if farthest(state.positions, state.contact["pair_home"]) + SURGE * reserve_m <= float(state.contact["pair_covered"][0]):
+            return False
+        self._find_pairs(state, reserve_m)
+        return True
 
-        reserve_m: upper bound of the way that any particle goes in the coming step. True if anything was looked for again.
-        """
+    def refresh(self, state: State) -> None:
+        """Measure the slack of the pairs anew where much of it is used up, so that few of them are looked at in each step."""
+        way, pairs = farthest(state.positions, state.contact["pair_home"]), load_pairs(state)
+        if way > _COVERED * 0.02 * self._spacing and pairs_in_reach(pairs, way) > _WORTH + 2 * pairs_in_reach(pairs, 0.0):
+            self._store(state, pairs, float(state.contact["pair_covered"][0]) - way)
 
-    def respond(self, state: State, time_step_s: float) -> None:
-        """Correct `state.velocities` in place, so that positions + time_step_s * velocities keep their distances; add the work that friction
-        does on the cloth (it is negative) to `state.work_j["friction"]`."""
+    def respond(self, state: State, time_step_s: float) -> float:
+        """Correct `state.velocities` in place for a step; add the work of friction to `state.work_j`. Returns the part of the step that is safe."""
+        self.load(state)
+        motion = (self.positions, self.velocities, self.inverse_masses, time_step_s)
+        way, fastest = farthest(state.positions, state.contact["pair_home"]), fastest_of(state.velocities)
+        part, _, work, _ = respond(self.arguments(state), motion, way, fastest)
+        state.velocities[:] = self.velocities[: self.count]
+        state.work_j["friction"] += work
+        return float(part)
+
+    def load(self, state: State) -> None:
+        """Positions and velocities of the state into those of all nodes."""
+        self.positions[: self.count], self.velocities[: self.count] = state.positions, state.velocities
+
+    def arguments(self, state: State):  # type: ignore[no-untyped-def]
+        """What the compiled `respond` needs; the arrays that change are the state's own."""
+        pairs = load_pairs(state)
+        if self._stand_for is not pairs.nodes:
+            self._stand, self._stand_for = room_for(pairs), pairs.nodes
+        planes = Planes(*(state.contact[f"planes_{key}"] for key in Planes._fields))
+        return self._surface, self._tree, self._largest, self._grip, planes, pairs, self._stand, self._out
+
+    def nodes_of(self, state: State, pair: int) -> np.ndarray:
+        """Particles of a pair."""
+        nodes = load_pairs(state).nodes[pair]
+        return nodes[nodes < self.count]
+
+    def _find_pairs(self, state: State, reserve_m: float) -> None:
+        covered = max(_COVERED * self._spacing, min(4.0 * reserve_m, 2.0 * self._spacing), 1.01 * SURGE * reserve_m)
+        positions = floats(state.positions)
+        parts, moving = [], []
+        if self._itself:
+            touched, crossed = self._elements.pairs(positions, float(self._cloth_gap.max(initial=LEAST_GAP)) + 2.0 * covered)
+            parts.append(make_pairs(touched, crossed, self._cloth_gap, self._cloth_friction))
+            moving.append(np.full(len(parts[-1].nodes), 2.0))
+        if self._body is not None:
+            pierced, crossed = self._body.pairs(self._elements, positions, ELEMENT_GAP + covered)
+            still = self.nodes - self.count
+            friction = np.concatenate([self._body_friction, np.full(still, self._body_friction.mean())])
+            parts.append(make_pairs(pierced, crossed, np.full(self.nodes, ELEMENT_GAP), friction))
+            moving.append(np.ones(len(parts[-1].nodes)))
+        found = joined(*parts) if parts else make_pairs(np.zeros((0, 4), np.int32), np.zeros((0, 4), np.int32), self._cloth_gap, self._cloth_friction)
+        self._store(state, found._replace(moving=np.concatenate([*moving, np.zeros(0)])), covered)
+
+    def _store(self, state: State, pairs: Pairs, covered: float) -> None:
+        self.load(state)
+        pairs = sorted_by_slack(pairs, self.positions)
+        if "pair_nodes" in state.contact:
+            carry_over(load_pairs(state), pairs)
+        state.contact |= {f"pair_{key}": array for key, array in pairs._asdict().items()}
+        state.contact["pair_home"], state.contact["pair_covered"] = state.positions.copy(), np.array([covered])
+
+
+def load_pairs(state: State) -> Pairs:
+    """The candidates in the state; the arrays are the state's own."""
+    return Pairs(*(state.contact[f"pair_{key}"] for key in Pairs._fields))

@@ -1,9 +1,11 @@
 """Pairs that must keep their distance, vertex against triangle or edge against edge: where they stand, impulses, and the test that nothing passed.
 
-A pair names four nodes. VT: vertex, then the triangle's corners; EE: the two ends of one edge, then of the other. Weights w (their sum is 0) give
-the vector between the closest points, sum w x, and the relative velocity there, sum w v; an impulse J along it changes v_i by J w_i / m_i.
+A pair names four nodes: particles of the cloth, and after them the vertices of the body. VT: vertex, then the triangle's corners; EE: the two ends of one
+edge, then of the other. Weights w (their sum is 0) give the vector between the closest points, sum w x, and the relative velocity there, sum w v; an impulse
+J along it changes v_i by J w_i / m_i. Particles that touch the body are held by its planes (planes.py) within the same sweeps.
 
 The side on which a pair stands is remembered while it is closer than half its gap, so that a pair that came through is pushed back the way it came.
+Impulses are remembered from step to step: what rests needs no sweeps.
 """
 
 from __future__ import annotations
@@ -15,34 +17,31 @@ import numpy as np
 from numba import prange
 
 from garmentcad.arrays import CHUNKS, chunk_range, indices, kernel, parallel_kernel
-from garmentcad.cloth.state import State
-from garmentcad.geometry.closest import FACE, along, cross, distance_between, dot, minus, point_triangle, row, segment_segment, unit
+from garmentcad.contact.planes import CLOSED, PUSH_SPEED, PUSH_TIME, allowed
+from garmentcad.geometry.closest import FACE, along, cross, dot, minus, point_triangle, row, segment_segment, unit
 
 VERTEX_TRIANGLE, EDGE_EDGE = 0, 1
-PUSH_SPEED = 0.25  # m/s, fastest separation of a pair that stands below its gap
-PUSH_TIME = 5e-3  # s, time constant of that separation
-# m: this close to its gap a pair is closed. Without it what rests on something may still approach by the room that is left, a fraction of a micrometre
-# in a step of some 10 us, which looks like several g.
-CLOSED = 2e-6
+NEARLY = 1.1  # gaps: a little earlier than at the gap a pair is solved, because a neighbour's impulses may bring it closer than its own velocity does
 _SWEEPS = 20  # of the impulses, at most
 _ROUNDS = 20  # of the fail-safe, at most
 _GENTLE_ROUNDS = 12  # of them with impulses along the normal; then colliding nodes move as one
 _ADVANCES = 64  # of the continuous test, at most
-_KEPT = 0.2  # share of its distance that a pair keeps within a step, whatever happens
+KEPT = 0.2  # share of its distance that a pair keeps within a step, whatever happens
 _PARALLEL = 0.05  # sine below which the common normal of two edges says nothing
-_SETTLED = 1e-9  # m/s, change of relative velocity at which the impulses have converged
+_SETTLED = 1e-8  # m/s, change of relative velocity at which the impulses have converged
 
 
 class Pairs(NamedTuple):
-    """The candidates of one detection."""
+    """The candidates of one detection, by rising slack."""
 
     nodes: np.ndarray  # (N,4) int32
     kind: np.ndarray  # (N,) int32 VERTEX_TRIANGLE or EDGE_EDGE
     gap: np.ndarray  # (N,) m
     friction: np.ndarray  # (N,)
+    moving: np.ndarray  # (N,) 2.0 where both elements move, 1.0 where one belongs to a still body
+    slack: np.ndarray  # (N,) m, way of the fastest node since detection after which the pair may matter
     side: np.ndarray  # (N,) +1 or -1, 0 while unknown; changes as the pair moves
-    distance: np.ndarray  # (N,) m at detection
-    home: np.ndarray  # (P,3) m, positions of all nodes at detection
+    impulse: np.ndarray  # (N,4) N.s along the normal, then of friction; of the last step
 
 
 class Stand(NamedTuple):
@@ -50,8 +49,9 @@ class Stand(NamedTuple):
 
     weights: np.ndarray  # (N,4)
     normal: np.ndarray  # (N,3) from the second element to the first
-    distance: np.ndarray  # (N,) m along the normal; negative for a pair that came through; a lower bound for a pair that is too far to matter
+    distance: np.ndarray  # (N,) m along the normal; negative for a pair that came through
     active: np.ndarray  # (N,) bool, may come below its gap in the step
+    chosen: np.ndarray  # (N,) int32, room for the active ones
 
 
 @kernel
@@ -76,24 +76,6 @@ def combined(w, a, b, c, d):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def longest(vectors):  # type: ignore[no-untyped-def]
-    """Length of the longest row of (N,3)."""
-    square = 0.0
-    for n in range(len(vectors)):
-        square = max(square, dot(row(vectors, n), row(vectors, n)))
-    return math.sqrt(square)
-
-
-@kernel
-def farthest(positions, home):  # type: ignore[no-untyped-def]
-    """The longest way from `home` to `positions`, both (N,3), m."""
-    way = 0.0
-    for n in range(len(positions)):
-        way = max(way, distance_between(positions, home, n))
-    return way
-
-
-@kernel
 def _row4(array, index):  # type: ignore[no-untyped-def]
     """Row `index` of an (N,4) array as a tuple."""
     return array[index, 0], array[index, 1], array[index, 2], array[index, 3]
@@ -105,28 +87,9 @@ def _four(points, nodes):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _strayed(nodes, first, last, positions, home):  # type: ignore[no-untyped-def]
-    way = 0.0
-    for corner in range(first, last):
-        way = max(way, distance_between(positions, home, nodes[corner]))
-    return way
-
-
-@kernel
-def _stand_range(span, pairs, positions, velocities, reserves, time_step, stand):  # type: ignore[no-untyped-def]
-    reserve, farthest_way = reserves
+def _stand_range(span, pairs, positions, velocities, time_step, stand):  # type: ignore[no-untyped-def]
     for n in range(span[0], span[1]):
-        # Most pairs are ruled out by the longest way of any node, without a look at their own.
-        bound = pairs.distance[n] - 2.0 * farthest_way
-        if bound - reserve > 1.1 * pairs.gap[n]:
-            stand.distance[n], stand.active[n] = bound, False
-            continue
         kind, nodes = pairs.kind[n], _row4(pairs.nodes, n)
-        split = 1 if kind == VERTEX_TRIANGLE else 2
-        bound = pairs.distance[n] - _strayed(nodes, 0, split, positions, pairs.home) - _strayed(nodes, split, 4, positions, pairs.home)
-        if bound - reserve > 1.1 * pairs.gap[n]:
-            stand.distance[n], stand.active[n] = bound, False
-            continue
         a, b, c, d = _four(positions, nodes)
         weights, apart, inside = closest_points(kind, a, b, c, d)
         if kind == VERTEX_TRIANGLE:
@@ -153,68 +116,93 @@ def _stand_range(span, pairs, positions, velocities, reserves, time_step, stand)
         for axis in range(3):
             stand.normal[n, axis] = normal[axis]
         stand.distance[n] = distance
-        # A little earlier than at the gap: the impulses of a neighbour may bring it closer than its own velocity does.
-        stand.active[n] = distance + time_step * closing < 1.1 * pairs.gap[n]
+        stand.active[n] = distance + time_step * closing < NEARLY * pairs.gap[n]
 
 
 @parallel_kernel
-def _take_stand(pairs, positions, velocities, reserves, time_step, stand):  # type: ignore[no-untyped-def]
-    """Stand of all pairs. reserves: the most that two points approach each other in the step, and the longest way since detection, m."""
+def take_stand(count, pairs, positions, velocities, time_step, stand):  # type: ignore[no-untyped-def]
+    """Stand of the first `count` pairs."""
     for chunk in prange(CHUNKS):
-        _stand_range(chunk_range(chunk, len(pairs.nodes)), pairs, positions, velocities, reserves, time_step, stand)
+        _stand_range(chunk_range(chunk, count), pairs, positions, velocities, time_step, stand)
 
 
 @kernel
-def _push(velocities, inverse_masses, nodes, weights, impulse):  # type: ignore[no-untyped-def]
+def _push(nodes, weights, impulse, planes, motion):  # type: ignore[no-untyped-def]
+    """Impulse on the four nodes of a pair; particles on the body keep what its planes allow."""
+    positions, velocities, inverse_masses, time_step = motion
     for corner in range(4):
-        share = weights[corner] * inverse_masses[nodes[corner]]
-        for axis in range(3):
-            velocities[nodes[corner], axis] += share * impulse[axis]
+        node = nodes[corner]
+        if inverse_masses[node] == 0.0:
+            continue
+        v = along(row(velocities, node), impulse, weights[corner] * inverse_masses[node])
+        if planes.held[node] > 0:
+            v = allowed(planes, node, row(positions, node), v, time_step)
+        velocities[node, 0], velocities[node, 1], velocities[node, 2] = v
 
 
 @kernel
-def _solve(pairs, stand, chosen, inverse_masses, time_step, impulses, velocities):  # type: ignore[no-untyped-def]
-    """Sweeps of inelastic impulses with Coulomb friction over the `chosen` pairs, in their order; impulses (C,4): along the normal, and friction.
+def _give(nodes, weights, inverse_masses):  # type: ignore[no-untyped-def]
+    """Change of the relative velocity for a unit impulse, 1/kg."""
+    give = 0.0
+    for corner in range(4):
+        give += weights[corner] ** 2 * inverse_masses[nodes[corner]]
+    return give
+
+
+@kernel
+def _solve(count, pairs, stand, planes, motion):  # type: ignore[no-untyped-def]
+    """Sweeps of inelastic impulses with Coulomb friction over the active ones of the first `count` pairs, in their order.
 
     Returns the work of friction on the nodes, J.
     """
-    for _ in range(_SWEEPS):
+    _, velocities, inverse_masses, time_step = motion
+    chosen, many = stand.chosen, 0
+    for n in range(count):
+        if stand.active[n] and _give(_row4(pairs.nodes, n), _row4(stand.weights, n), inverse_masses) > 0.0:
+            chosen[many] = n
+            many += 1
+            # The start: the impulses of the last step.
+            normal, held = row(stand.normal, n), pairs.impulse[n]
+            slide = (held[1], held[2], held[3])
+            slide = along(slide, normal, -dot(slide, normal))
+            pairs.impulse[n, 1], pairs.impulse[n, 2], pairs.impulse[n, 3] = slide
+            _push(_row4(pairs.nodes, n), _row4(stand.weights, n), along(slide, normal, held[0]), planes, motion)
+        else:
+            pairs.impulse[n, 0] = pairs.impulse[n, 1] = pairs.impulse[n, 2] = pairs.impulse[n, 3] = 0.0
+    for _ in range(_SWEEPS if many > 0 else 0):
         largest = 0.0
-        for c in range(len(chosen)):
+        for c in range(many):
             n = chosen[c]
             nodes, weights = _row4(pairs.nodes, n), _row4(stand.weights, n)
             normal = row(stand.normal, n)
-            give = 0.0
-            for corner in range(4):
-                give += weights[corner] ** 2 * inverse_masses[nodes[corner]]
-            if give == 0.0:
-                continue
+            give = _give(nodes, weights, inverse_masses)
             p, q, r, s = _four(velocities, nodes)
             speed = combined(weights, p, q, r, s)
             room = stand.distance[n] - pairs.gap[n]
             wanted = min(0.0, CLOSED - room) / time_step if room > 0.0 else min(PUSH_SPEED, -room / max(PUSH_TIME, time_step))
-            before = impulses[c, 0]
-            impulses[c, 0] = max(0.0, before + (wanted - dot(speed, normal)) / give)
-            step = impulses[c, 0] - before
-            _push(velocities, inverse_masses, nodes, weights, (step * normal[0], step * normal[1], step * normal[2]))
-            largest = max(largest, abs(step) * give)
+            before = pairs.impulse[n, 0]
+            pairs.impulse[n, 0] = max(0.0, before + (wanted - dot(speed, normal)) / give)
+            step = pairs.impulse[n, 0] - before
             # Friction: the impulse that would stop the sliding, cut to the cone of the normal impulse so far.
             slide = along(speed, normal, -dot(speed, normal))
-            held = (impulses[c, 1], impulses[c, 2], impulses[c, 3])
+            held = (pairs.impulse[n, 1], pairs.impulse[n, 2], pairs.impulse[n, 3])
             goal = minus(held, (slide[0] / give, slide[1] / give, slide[2] / give))
-            size, limit = math.sqrt(dot(goal, goal)), pairs.friction[n] * impulses[c, 0]
+            size, limit = math.sqrt(dot(goal, goal)), pairs.friction[n] * pairs.impulse[n, 0]
             if size > limit:
                 goal = (goal[0] * limit / size, goal[1] * limit / size, goal[2] * limit / size)
             change = minus(goal, held)
-            impulses[c, 1], impulses[c, 2], impulses[c, 3] = goal
-            _push(velocities, inverse_masses, nodes, weights, change)
-            largest = max(largest, math.sqrt(dot(change, change)) * give)
+            pairs.impulse[n, 1], pairs.impulse[n, 2], pairs.impulse[n, 3] = goal
+            change = along(change, normal, step)
+            if dot(change, change) > 0.0:
+                _push(nodes, weights, change, planes, motion)
+                largest = max(largest, math.sqrt(dot(change, change)) * give)
         if largest < _SETTLED:
             break
     work = 0.0
-    for c in range(len(chosen)):
-        p, q, r, s = _four(velocities, _row4(pairs.nodes, chosen[c]))
-        work += dot((impulses[c, 1], impulses[c, 2], impulses[c, 3]), combined(_row4(stand.weights, chosen[c]), p, q, r, s))
+    for c in range(many):
+        n = chosen[c]
+        p, q, r, s = _four(velocities, _row4(pairs.nodes, n))
+        work += dot((pairs.impulse[n, 1], pairs.impulse[n, 2], pairs.impulse[n, 3]), combined(_row4(stand.weights, n), p, q, r, s))
     return work
 
 
@@ -245,51 +233,97 @@ def time_of_contact(kind, nodes, positions, velocities, time_step, kept):  # typ
 
 
 @kernel
-def _stop(pairs, stand, near, inverse_masses, positions, time_step, velocities):  # type: ignore[no-untyped-def]
-    """Fail-safe over the pairs `near`: what would lose most of its distance in the step is stopped. Returns how many still would after all rounds."""
-    colliding = 0
-    for turn in range(_ROUNDS + 1):
+def _collide(n, pairs, stand, motion):  # type: ignore[no-untyped-def]
+    """Part of the step after which pair n would lose most of its distance; 2 if it keeps it."""
+    positions, velocities, _, time_step = motion
+    kept = KEPT * min(stand.distance[n], pairs.gap[n])
+    return time_of_contact(pairs.kind[n], _row4(pairs.nodes, n), positions, velocities, time_step, kept)
+
+
+@kernel
+def _part(n, turn, t, pairs, planes, motion):  # type: ignore[no-untyped-def]
+    """Take from pair n the motion in which it would meet at the part t of the step."""
+    positions, velocities, inverse_masses, time_step = motion
+    nodes, now = _row4(pairs.nodes, n), t * time_step
+    a, b, c, d = _four(positions, nodes)
+    p, q, r, s = _four(velocities, nodes)
+    weights, apart, _ = closest_points(pairs.kind[n], along(a, p, now), along(b, q, now), along(c, r, now), along(d, s, now))
+    normal, give = unit(apart), _give(nodes, weights, inverse_masses)
+    if give == 0.0:
+        return
+    if turn < _GENTLE_ROUNDS:
+        size = max(0.0, -dot(combined(weights, p, q, r, s), normal) / give)
+        _push(nodes, weights, (size * normal[0], size * normal[1], size * normal[2]), planes, motion)
+        return
+    mass, sum_ = 0.0, (0.0, 0.0, 0.0)
+    held = False
+    for corner in range(4):
+        if inverse_masses[nodes[corner]] == 0.0:
+            held = True
+        else:
+            mass += 1.0 / inverse_masses[nodes[corner]]
+            sum_ = along(sum_, row(velocities, nodes[corner]), 1.0 / inverse_masses[nodes[corner]])
+    for corner in range(4):
+        if inverse_masses[nodes[corner]] > 0.0:
+            for axis in range(3):
+                velocities[nodes[corner], axis] = 0.0 if held else sum_[axis] / mass
+
+
+@kernel
+def stop_collisions(count, pairs, stand, planes, fastest, motion):  # type: ignore[no-untyped-def]
+    """Fail-safe over the first `count` pairs: what would lose most of its distance in the step is stopped, in at most 20 rounds.
+
+    fastest: m/s, of all nodes. Returns the part of the step that is safe (1 where all of it is), the pair that limits it, and whether velocities changed.
+    """
+    time_step = motion[3]
+    chosen, many = stand.chosen, 0
+    for n in range(count):
+        if stand.distance[n] > 0.0 and stand.distance[n] * (1.0 - KEPT) < 2.0 * fastest * time_step:
+            chosen[many] = n
+            many += 1
+    for turn in range(_ROUNDS):
         colliding = 0
-        for n in near:
-            if stand.distance[n] <= 0.0:
-                continue
-            nodes, kind = _row4(pairs.nodes, n), pairs.kind[n]
-            t = time_of_contact(kind, nodes, positions, velocities, time_step, _KEPT * min(stand.distance[n], pairs.gap[n]))
-            if t > 1.0:
-                continue
-            colliding += 1
-            if turn == _ROUNDS:
-                continue
-            a, b, c, d = _four(positions, nodes)
-            p, q, r, s = _four(velocities, nodes)
-            now = t * time_step
-            weights, apart, _ = closest_points(kind, along(a, p, now), along(b, q, now), along(c, r, now), along(d, s, now))
-            normal = unit(apart)
-            give = 0.0
-            for corner in range(4):
-                give += weights[corner] ** 2 * inverse_masses[nodes[corner]]
-            closing = dot(combined(weights, p, q, r, s), normal)
-            if give == 0.0:
-                continue
-            if turn < _GENTLE_ROUNDS:
-                size = max(0.0, -closing / give)
-                _push(velocities, inverse_masses, nodes, weights, (size * normal[0], size * normal[1], size * normal[2]))
-                continue
-            mass, motion = 0.0, (0.0, 0.0, 0.0)
-            held = False
-            for corner in range(4):
-                if inverse_masses[nodes[corner]] == 0.0:
-                    held = True
-                else:
-                    mass += 1.0 / inverse_masses[nodes[corner]]
-                    motion = along(motion, row(velocities, nodes[corner]), 1.0 / inverse_masses[nodes[corner]])
-            for corner in range(4):
-                if inverse_masses[nodes[corner]] > 0.0:
-                    for axis in range(3):
-                        velocities[nodes[corner], axis] = 0.0 if held else motion[axis] / mass
+        for c in range(many):
+            t = _collide(chosen[c], pairs, stand, motion)
+            if t <= 1.0:
+                colliding += 1
+                _part(chosen[c], turn, t, pairs, planes, motion)
         if colliding == 0:
-            break
-    return colliding
+            return 1.0, -1, turn > 0
+    part, worst = 1.0, -1
+    for c in range(many):
+        t = _collide(chosen[c], pairs, stand, motion)
+        if t < part:
+            part, worst = t, chosen[c]
+    return part, worst, True
+
+
+@kernel
+def fastest_of(velocities):  # type: ignore[no-untyped-def]
+    """Largest speed of rows (N,3), m/s; infinite where one is not a number."""
+    square = 0.0
+    for n in range(len(velocities)):
+        one = dot(row(velocities, n), row(velocities, n))
+        # A speed that is not a number must not hide behind a comparison that is false.
+        square = max(square, one) if one == one else math.inf
+    return math.sqrt(square)
+
+
+@kernel
+def pairs_in_reach(pairs, way):  # type: ignore[no-untyped-def]
+    """How many of the pairs may matter when nodes have gone up to `way` m since detection."""
+    return np.searchsorted(pairs.slack, way, side="right")
+
+
+@kernel
+def keep_apart(count, pairs, stand, planes, motion):  # type: ignore[no-untyped-def]
+    """Correct velocities in place so that the first `count` pairs keep their gaps over the step, or come back to them gently.
+
+    motion: positions, velocities (N,3), inverse masses (N,) of particles and body vertices, time step. Returns the work of friction, J, negative.
+    """
+    positions, velocities, _, time_step = motion
+    take_stand(count, pairs, positions, velocities, time_step, stand)
+    return _solve(count, pairs, stand, planes, motion)
 
 
 @kernel
@@ -300,56 +334,47 @@ def _measure(nodes, kind, positions, distance):  # type: ignore[no-untyped-def]
         distance[n] = math.sqrt(dot(apart, apart))
 
 
-def room_for(pairs: Pairs, stand: Stand | None) -> Stand:
-    """Room for where the pairs stand: the given one if it is large enough."""
+def distances(nodes: np.ndarray, kind: np.ndarray, positions: np.ndarray) -> np.ndarray:
+    """(N,) m of pairs with these nodes (N,4) and kinds (N,)."""
+    found = np.empty(len(nodes))
+    _measure(nodes, kind, positions, found)
+    return found
+
+
+def room_for(pairs: Pairs) -> Stand:
+    """Room for where the pairs stand."""
     count = len(pairs.nodes)
-    if stand is not None and len(stand.distance) >= count:
-        return stand
-    return Stand(np.empty((count, 4)), np.empty((count, 3)), np.empty(count), np.empty(count, dtype=np.bool_))
+    return Stand(np.empty((count, 4)), np.empty((count, 3)), np.empty(count), np.empty(count, dtype=np.bool_), np.empty(count, dtype=np.int32))
 
 
-def keep_apart(
-    pairs: Pairs, stand: Stand, positions: np.ndarray, velocities: np.ndarray, inverse_masses: np.ndarray, time_step: float
-) -> tuple[float, int]:
-    """Correct velocities (P,3) in place so that the pairs keep their gaps over the step, or come back to them gently.
-
-    stand: room, see `room_for`. Returns the work of friction (J, negative) and the number of pairs that the fail-safe could not stop.
-    """
-    count = len(pairs.nodes)
-    if count == 0:
-        return 0.0, 0
-    reserves = (2.0 * longest(velocities) * time_step, farthest(positions, pairs.home))
-    _take_stand(pairs, positions, velocities, reserves, time_step, stand)
-    chosen = np.flatnonzero(stand.active[:count])
-    work = _solve(pairs, stand, chosen, inverse_masses, time_step, np.zeros((len(chosen), 4)), velocities) if len(chosen) else 0.0
-    near = np.flatnonzero(stand.distance[:count] * (1.0 - _KEPT) < 2.0 * longest(velocities) * time_step)
-    return work, _stop(pairs, stand, near, inverse_masses, positions, time_step, velocities) if len(near) else 0
-
-
-def candidates(vertex_triangle: np.ndarray, edge_edge: np.ndarray, positions: np.ndarray, gap: np.ndarray, friction: np.ndarray) -> Pairs:
-    """Pairs from node rows (N,4) of both kinds, at their positions (P,3) of detection. gap, friction: (P,) of the nodes; a pair takes the mean of its two
-    elements' means. The side is the one where the pair first stands."""
+def make_pairs(vertex_triangle: np.ndarray, edge_edge: np.ndarray, gap: np.ndarray, friction: np.ndarray) -> Pairs:
+    """Pairs from node rows (N,4) of both kinds. gap, friction: (P,) of the nodes; a pair takes the mean of its two elements' means. Slack is still 0."""
     nodes = indices(np.concatenate([vertex_triangle, edge_edge]).reshape(-1, 4))
     kind = np.repeat(indices([VERTEX_TRIANGLE, EDGE_EDGE]), [len(vertex_triangle), len(edge_edge)])
     share = np.where(kind[:, None] == VERTEX_TRIANGLE, [3 / 6, 1 / 6, 1 / 6, 1 / 6], 1 / 4)
-    distance = np.empty(len(nodes))
-    _measure(nodes, kind, positions, distance)
-    return Pairs(nodes, kind, (share * gap[nodes]).sum(axis=1), (share * friction[nodes]).sum(axis=1), np.zeros(len(nodes)), distance, positions.copy())
+    count = len(nodes)
+    gaps, frictions = (share * gap[nodes]).sum(axis=1), (share * friction[nodes]).sum(axis=1)
+    return Pairs(nodes, kind, gaps, frictions, np.full(count, 2.0), np.zeros(count), np.zeros(count), np.zeros((count, 4)))
 
 
-def store_pairs(state: State, name: str, pairs: Pairs, margin: float) -> None:
-    """Put the pairs of the contact `name` into the state, with the margin (m) that they cover. Pairs that were there before and stand close keep their side."""
-    if f"{name}_pair_nodes" in state.contact:
-        before = load_pairs(state, name)
-        close = np.flatnonzero(pairs.distance < 0.5 * pairs.gap)
-        if len(close):
-            sides = dict(zip(map(tuple, before.nodes.tolist()), before.side.tolist()))
-            pairs.side[close] = [sides.get(tuple(nodes), 0.0) for nodes in pairs.nodes[close].tolist()]
-    for key, array in pairs._asdict().items():
-        state.contact[f"{name}_pair_{key}"] = array
-    state.contact[f"{name}_pair_margin"] = np.array([margin])
+def joined(*parts: Pairs) -> Pairs:
+    """All pairs of several lists."""
+    return Pairs(*(np.concatenate(columns) for columns in zip(*parts)))
 
 
-def load_pairs(state: State, name: str) -> Pairs:
-    """The pairs of the contact `name` in the state; the arrays are the state's own."""
-    return Pairs(*(state.contact[f"{name}_pair_{key}"] for key in Pairs._fields))
+def sorted_by_slack(pairs: Pairs, positions: np.ndarray) -> Pairs:
+    """The pairs with their slack at these positions (P,3) of all nodes, rising."""
+    slack = (distances(pairs.nodes, pairs.kind, positions) - NEARLY * pairs.gap) / pairs.moving
+    order = np.argsort(slack, kind="stable")
+    return Pairs(*(np.ascontiguousarray(column[order]) for column in pairs._replace(slack=slack)))
+
+
+def carry_over(before: Pairs, pairs: Pairs) -> None:
+    """Pairs that were there before and stood close keep their side and impulse. Both lists come by rising slack."""
+    known = np.flatnonzero(before.impulse[:, 0] > 0.0)
+    known = np.union1d(known, np.arange(np.searchsorted(before.slack, 0.0)))
+    table = {nodes.tobytes(): n for n, nodes in zip(known, before.nodes[known])}
+    for n in range(np.searchsorted(pairs.slack, 0.0) if table else 0):
+        source = table.get(pairs.nodes[n].tobytes())
+        if source is not None:
+            pairs.side[n], pairs.impulse[n] = before.side[source], before.impulse[source]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numba import prange
@@ -23,6 +24,16 @@ def gather(starts, slots, corner_forces, out):  # type: ignore[no-untyped-def]
             y += corner_forces[k, 1]
             z += corner_forces[k, 2]
         out[i, 0], out[i, 1], out[i, 2] = x, y, z
+
+
+class Sums(NamedTuple):
+    """How corner forces add up to forces on particles, for compiled steps."""
+
+    starts: np.ndarray  # (P+1,) int32
+    slots: np.ndarray  # (K,) int32
+    corner_forces: np.ndarray  # (K,3) N
+    weight: np.ndarray  # (P,) N, downward
+    masses: np.ndarray  # (P,) kg, true
 
 
 class ForceAssembly:
@@ -53,10 +64,12 @@ class ForceAssembly:
         for body_force in self.body_forces:
             body_force.add_forces(positions, velocities, out)
 
-    def set_inertia(self, masses: np.ndarray) -> None:
-        """Tell the body forces the masses (P,) [kg] that resist."""
+    def sums(self, masses: np.ndarray) -> Sums:
+        """What compiled steps need of it; masses (P,) [kg]. The body forces are taken at rest: weight."""
+        load = np.zeros((len(masses), 3))
         for force in self.body_forces:
-            force.set_inertia(masses)
+            force.add_forces(load, load, load)
+        return Sums(self._starts, self._slots, self._corner_forces, -load[:, 1], masses)
 
     def energy(self, positions: np.ndarray) -> dict[str, float]:
         """Stored energy [J] by law; a law that acts in several forces is added up."""

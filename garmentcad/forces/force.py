@@ -30,15 +30,12 @@ class Force(Protocol):
 
 
 class BodyForce(Protocol):
-    """Force on each particle by itself, such as weight or drag."""
+    """Force on each particle by itself: weight."""
 
     name: str
 
     def add_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray) -> None:
         """Add the force on each particle [N] to out (P,3)."""
-
-    def set_inertia(self, masses: np.ndarray) -> None:
-        """Masses (P,) [kg] that resist from now on; drape mode raises some. Forces that damp are proportional to them, weight is not."""
 
     def energies(self, positions: np.ndarray) -> dict[str, float]:
         """Stored energy [J] by law; 0 for a force that stores none."""

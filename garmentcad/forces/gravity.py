@@ -20,8 +20,5 @@ class ForceGravity(OneLaw):
     def add_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray) -> None:
         out[:, 1] -= self._weight
 
-    def set_inertia(self, masses: np.ndarray) -> None:
-        pass
-
     def energy(self, positions: np.ndarray) -> float:
         return float(np.sum(self._weight * positions[:, 1]))

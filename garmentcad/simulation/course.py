@@ -11,9 +11,9 @@ import numpy as np
 
 from garmentcad.cloth.state import State
 from garmentcad.forces.assembly import ForceAssembly
-from garmentcad.forces.drag import DEFAULT_RATE, ForceDrag
 from garmentcad.solve.dynamics import STEPS_PER_ESTIMATE, DivergedError, Dynamics
-from garmentcad.solve.rest import Residual, patches, residual
+from garmentcad.solve.rest import PATCH_RESIDUAL_G, RESIDUAL_G, Residual, patches, residual
+from garmentcad.units import GRAVITY_M_S2
 
 STEPS_PER_LOOK = 2 * STEPS_PER_ESTIMATE  # a phase begins with a fresh time step
 CLOSED_M = 0.1e-3  # seams are welded below this gap
@@ -31,9 +31,15 @@ SOFTNESS = 8.0
 STIFFEN_S = 0.3
 # No part of a garment that is being dressed goes faster than this; what a weld or a snap sets free would. At a step of 0.1 ms it is 1 % of 10 mm.
 SPEED_CAP_M_S = 1.0
-# Critical for a mode of 4 rad/s, about the slowest of a skirt; faster modes decay at half this rate.
-SETTLE_DRAG = 8.0
+# Settling: the drag follows the frequency that the residual shows, acceleration over speed, because a drag that is critical for a slow mode lets fast ones ring
+# for long, and one that is critical for fast modes makes slow ones creep. At least critical for a mode of 4 rad/s, about the slowest of a skirt.
+SETTLE_DRAG, SETTLE_SHARE, SETTLE_MOST = 8.0, 0.3, 200.0
+# A watch begins when the residual is below this part of what it must not exceed at its end: slow modes that drag held down go on under less of it.
+READY = 0.7
 WATCH_DRAG = 1.0
+# Air drag of true motion: flat cloth of W = 0.15 kg/m2 that moves broadside at v feels about 0.6 Cd v^2 N/m2 with Cd = 1.2, at 0.5 m/s as much as a rate of
+# 2.4 /s. Linear, and alike in every direction: an estimate, not a measured law.
+AIR_DRAG = 2.0
 WATCH_S = 0.3
 # Below this RMS speed a movement is not called growing: 1 mm/s for 0.3 s is a third of a millimetre.
 STILL_M_S = 1e-3
@@ -53,42 +59,49 @@ class Progress:
     eta_s: float | None
 
 
+def advance_or_retreat(dynamics: Dynamics, state: State) -> bool:
+    """STEPS_PER_LOOK steps; where motion runs away, back to the state before them (False): the next ones are half as long.
+
+    DivergedError where they are as short as they may become: what diverges then is not a matter of the step.
+    """
+    good = deepcopy(state)
+    dynamics.step_factor = state.run.get("step_factor", 1.0)
+    try:
+        dynamics.advance(state, STEPS_PER_LOOK)
+    except DivergedError:
+        if dynamics.step_factor <= SMALLEST_STEP_FACTOR:
+            raise
+        for part in fields(State):
+            setattr(state, part.name, getattr(good, part.name))
+        state.run["step_factor"] = 0.5 * dynamics.step_factor
+        return False
+    return True
+
+
 class Course:
     """Runs the phases after sewing on welded cloth, and looks every STEPS_PER_LOOK steps. All that decides lies in `state`: a resumed run decides alike.
 
-    forces_at(softness): the forces with tension divided by softness, which include `drag`. max_time_s: cap on simulated time.
+    forces_at(softness): the forces with tension divided by softness. max_time_s: cap on simulated time.
+    enough_g: a residual that is rest enough, for a lattice that will be refined (None: the full test).
     mode: 'drape' (equalised masses, damping of fall and settle) or 'dynamics' (true masses, light damping).
     """
 
-    def __init__(self, dynamics: Dynamics, drag: ForceDrag, forces_at: Callable[[float], ForceAssembly], mode: str, max_time_s: float) -> None:
-        self.dynamics, self.drag, self.forces_at, self.mode, self.max_time_s = dynamics, drag, forces_at, mode, max_time_s
-        self._softness = 1.0
+    def __init__(self, dynamics: Dynamics, forces_at: Callable[[float], ForceAssembly], mode: str, max_time_s: float, enough_g: float | None = None) -> None:
+        self.dynamics, self.forces_at, self.mode, self.max_time_s, self.enough_g = dynamics, forces_at, mode, max_time_s, enough_g
         self._patch = patches(dynamics.cloth)
         self.last: Residual | None = None
 
     def run(self, state: State, look: Callable[[Progress], None]) -> str:
         """Advance until rest or the cap. Returns 'converged' or 'max_time'; DivergedError where smaller steps do not help.
         `look` may raise to interrupt (a checkpoint of `state` is then whole)."""
-        dynamics = self.dynamics
         while state.phase != "rest":
             if state.time_s >= self.max_time_s:
                 return "max_time"
             self._set_phase(state)
-            good = deepcopy(state)
-            try:
-                for _ in range(STEPS_PER_LOOK):
-                    dynamics.step(state)
-                    if state.phase == "watch":
-                        self._watch(state)
-                dynamics.check(state)
-            except DivergedError:
-                # Back to the last state that was whole, and on with a smaller step; what diverges at the smallest is not a matter of the step.
-                if dynamics.step_factor <= SMALLEST_STEP_FACTOR:
-                    raise
-                for part in fields(State):
-                    setattr(state, part.name, getattr(good, part.name))
-                state.run["step_factor"] = 0.5 * dynamics.step_factor
+            if not advance_or_retreat(self.dynamics, state):
                 continue
+            if state.phase == "watch":
+                self._watch(state)
             self._decide(state, look)
         return "converged"
 
@@ -96,22 +109,21 @@ class Course:
         dynamics = self.dynamics
         # Once watched, a run keeps its true masses: each change of masses shifts what rests on the body by a little, and the residual with it.
         dynamics.equalise = self.mode == "drape" and "watched" not in state.run
-        drags = {"fall": FALL_DRAG, "settle": SETTLE_DRAG, "watch": WATCH_DRAG}
-        dynamics.step_factor = state.run.get("step_factor", 1.0)
         dynamics.speed_cap_m_s = SPEED_CAP_M_S if self.mode == "drape" else math.inf
         softness = 1.0
         if self.mode == "drape" and state.phase == "fall":
             left = max(0.0, FALL_S - (state.time_s - state.run["phase_from_s"]))
             softness = float(SOFTNESS ** min(1.0, left / STIFFEN_S))
-        if softness != self._softness:
-            dynamics.forces, self._softness = self.forces_at(softness), softness
-        self.drag.set(drags[state.phase] if self.mode == "drape" else DEFAULT_RATE)
+        if softness != dynamics.softness:
+            dynamics.forces, dynamics.softness = self.forces_at(softness), softness
+        drags = {"fall": FALL_DRAG, "settle": state.run.get("settle_drag", SETTLE_DRAG), "watch": WATCH_DRAG}
+        dynamics.drag = drags[state.phase] if self.mode == "drape" else AIR_DRAG
 
     def _watch(self, state: State) -> None:
-        """Largest RMS speed in each third of the watch."""
+        """Largest RMS speed in each third of the watch, as far as it ended in the last stretch."""
         third = min(2, int(3.0 * (state.time_s - state.run["watch_from_s"]) / WATCH_S))
         key = f"watch_rms_{third}"
-        state.run[key] = max(state.run.get(key, 0.0), self.dynamics.measures(state)[2])
+        state.run[key] = max(state.run.get(key, 0.0), math.sqrt(self.dynamics.mean_square_speed))
 
     def _decide(self, state: State, look: Callable[[Progress], None]) -> None:
         _, _, rms = self.dynamics.measures(state)
@@ -121,13 +133,18 @@ class Course:
                 self._enter(state, "settle")
         elif state.phase == "settle":
             left = self.last = residual(self.dynamics, state, self._patch)
-            if left.at_rest:
+            frequency = left.rms_g * GRAVITY_M_S2 / max(rms, 1e-9)
+            state.run["settle_drag"] = min(max(SETTLE_SHARE * frequency, SETTLE_DRAG), SETTLE_MOST)
+            if self.enough_g is not None:
+                if left.rms_g < self.enough_g:
+                    self._enter(state, "rest")
+            elif left.rms_g < READY * RESIDUAL_G and left.worst_patch_g < READY * PATCH_RESIDUAL_G:
                 self._enter(state, "watch")
                 state.run["watched"] = 1.0
                 state.run["watch_from_s"] = state.time_s
         elif state.phase == "watch" and state.time_s - state.run["watch_from_s"] >= WATCH_S:
             left = self.last = residual(self.dynamics, state, self._patch)
-            grew = state.run["watch_rms_2"] > max(STILL_M_S, state.run["watch_rms_1"])
+            grew = state.run["watch_rms_2"] > max(STILL_M_S, state.run.get("watch_rms_1", 0.0))
             self._enter(state, "rest" if left.at_rest and not grew else "settle")
         look(Progress(state.phase, state.step, state.time_s, None, None if left is None else left.rms_g, rms, self._eta(state, left)))
 

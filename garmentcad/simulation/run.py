@@ -13,33 +13,36 @@ from types import FrameType
 import numpy as np
 from shapely.geometry import Polygon
 
+from garmentcad.analysis.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.lattice import build_cloth
 from garmentcad.cloth.state import State
 from garmentcad.cloth.weld import weld
-from garmentcad.contact.body import ContactBody
-from garmentcad.contact.cloth import ContactCloth
 from garmentcad.contact.contact import Contact
 from garmentcad.errors import GarmentError, LimitError
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.assembly import ForceAssembly
-from garmentcad.forces.drag import ForceDrag
-from garmentcad.forces.force import BodyForce
 from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
+from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.placement.place import place_vertices
 from garmentcad.simulation.checkpoint import load_state, save_state
-from garmentcad.simulation.course import CLOSING_DRAG, SOFTNESS, Course, Progress
+from garmentcad.simulation.course import SETTLE_MOST, SOFTNESS, Course, Progress
 from garmentcad.simulation.job import Job
 from garmentcad.simulation.materials import lay_out
+from garmentcad.simulation.refine import refine_positions
 from garmentcad.simulation.sewing import Welding, close_seams, weld_state
 from garmentcad.simulation.start import refuse_tangled
-from garmentcad.solve.dynamics import DivergedError, Dynamics
-from garmentcad.solve.strain_limit import StrainLimit
+from garmentcad.solve.dynamics import DivergedError, Dynamics, IntersectingError
+from garmentcad.solve.strain_limit import strain_limit
+from garmentcad.units import MM_TO_M
 
 JITTER_M = 1e-5  # of the start, so that no fold is decided by round-off
 MAX_PARTICLES = 1_000_000
 CHECKPOINT_EVERY_S = 20.0
+COARSEST_MM = 25.0
+UNREFINED = "unrefined"  # in State.run: the garment was sewn on the lattice of the job
+COARSE_RESIDUAL_G = 5e-3  # left on a coarse lattice: the finer one shifts by more than what would still move
 
 
 class Interrupted(GarmentError):
@@ -48,7 +51,10 @@ class Interrupted(GarmentError):
 
 @dataclass
 class Outcome:
-    """A finished run. status: converged, max_time or diverged (contact is judged afterwards). wall_s: setup, drape; seconds: by kind of work."""
+    """A finished run. status: converged, max_time, diverged or intersecting (contact is judged afterwards, too).
+
+    wall_s: setup, drape; seconds: by kind of work.
+    """
 
     job: Job
     cloth: Cloth
@@ -71,75 +77,145 @@ def check_size(job: Job) -> None:
         raise LimitError(message, key="--grid")
 
 
+def grids_of(job: Job) -> tuple[float, ...]:
+    """Lattice spacings of a run, mm, coarse to fine: drape mode finds folds and seats the garment on lattices that cost an eighth a level."""
+    grids = [job.grid_mm]
+    while job.mode == "drape" and 2.0 * grids[0] <= COARSEST_MM:
+        grids.insert(0, 2.0 * grids[0])
+    return tuple(grids)
+
+
 def run(job: Job, look: Callable[[Progress], None], checkpoint: Path | None = None, resume: bool = False) -> Outcome:
     """Drape. `look` is told of the progress about every 200 steps. checkpoint: file kept up to date; resume: go on from it.
 
     InputError for a job that cannot start, Interrupted (after saving) on Ctrl-C.
     """
-    began = time.perf_counter()
-    check_size(job)
-    materials, material_of = lay_out(job)
-    flat = build_cloth(job.pattern, material_of, materials, job.grid_mm)
-    welded, particle_map = weld(flat)
     state = load_state(checkpoint, job.identity) if resume and checkpoint is not None else None
-    seconds: dict[str, float] = {}
     with _stop_signal() as stopped:
         keep = _Keeper(job, checkpoint, look, stopped)
-        if state is None or state.phase == "close":
-            dynamics, *_ = _dynamics(job, flat, materials, sewing=True)
-            if state is None:
-                state = _placed_state(job, flat)
-                dynamics.start(state)
-            setup = time.perf_counter() - began
-            keep.state = state
-            try:
-                welding = close_seams(dynamics, state, keep)
-            except DivergedError as error:
-                return Outcome(job, flat, materials, dynamics, state, "diverged", Welding(), {"setup": setup, "drape": time.perf_counter() - began - setup},
-                               dynamics.seconds, [str(error)])  # fmt: skip
-            seconds = dynamics.seconds
-            state = weld_state(flat, welded, particle_map, state)
-            state.phase = "fall"
-            state.run |= {"phase_from_s": state.time_s} | welding.as_run()
-            dynamics, drag, forces_at = _dynamics(job, welded, materials, sewing=False)
-            dynamics.start(state)
-        else:
-            setup = time.perf_counter() - began
-            dynamics, drag, forces_at = _dynamics(job, welded, materials, sewing=False)
-        keep.state = state
-        course = Course(dynamics, drag, forces_at, job.mode, job.max_time_s)
-        warnings: list[str] = []
+        made = _Run(job, keep, state)
         try:
-            status = course.run(state, keep)
-        except DivergedError as error:
-            status, warnings = "diverged", [str(error)]
-    welding = Welding.of_run(state.run)
-    if welding.open_seams:
-        warnings += welding.open_seams
-        status = "max_time" if status == "converged" else status
-    factor = state.run.get("step_factor", 1.0)
-    if factor < 1.0:
-        warnings.append(f"motion ran away at the time step that the stiffness allows; the run went back and on with {factor:g} of it")
-    seconds = {kind: seconds.get(kind, 0.0) + spent for kind, spent in dynamics.seconds.items()}
-    wall = {"setup": setup, "drape": time.perf_counter() - began - setup}
-    return Outcome(job, welded, materials, dynamics, state, status, welding, wall, seconds, warnings)
+            return made.drape((job.grid_mm,) if state is not None and UNREFINED in state.run else grids_of(job))
+        except RefinementError as error:
+            # Rare: folds lie so close that finer triangles cross. The full lattice from the start costs more, and crosses nothing.
+            made = _Run(job, keep, None)
+            made.warnings.append(str(error))
+            return made.drape((job.grid_mm,))
 
 
-def _dynamics(job: Job, cloth: Cloth, materials: MaterialTable, sewing: bool) -> tuple[Dynamics, ForceDrag, Callable[[float], ForceAssembly]]:
-    """The stepper, its drag, and its forces at a softness. While sewing there is neither weight nor friction: seams slide to where they close."""
-    drag = ForceDrag(cloth.masses, CLOSING_DRAG)
-    body_forces: list[BodyForce] = [drag] if sewing else [ForceGravity(cloth.masses), drag]
+class RefinementError(GarmentError):
+    """A finer lattice on the coarse one's shape would cross itself or the mannequin."""
+
+
+class _Run:
+    """The levels of one run, from the coarsest lattice, which is placed and sewn, to that of the job."""
+
+    def __init__(self, job: Job, keep: _Keeper, state: State | None) -> None:
+        check_size(job)
+        self.began = time.perf_counter()
+        self.job, self.keep, self.state = job, keep, state
+        self.materials, self._material_of = lay_out(job)
+        self.seconds: dict[str, float] = {}
+        self.warnings: list[str] = []
+        self._setup = 0.0
+
+    def drape(self, grids: tuple[float, ...]) -> Outcome:
+        """Sew on the first grid, then settle on each; the outcome is that of the last one."""
+        level = 0 if self.state is None else int(self.state.run.get("level", 0.0))
+        before: Cloth | None = None
+        while True:
+            flat = build_cloth(self.job.pattern, self._material_of, self.materials, grids[level])
+            cloth, particle_map = weld(flat)
+            if self.state is None or self.state.phase == "close":
+                failed = self._sew(flat, cloth, particle_map)
+                if failed is not None:
+                    return failed
+            assert self.state is not None
+            dynamics, forces_at = _dynamics(self.job, cloth, self.materials, sewing=False)
+            if before is not None:
+                self.state = _refined_state(before, self.state, cloth, level, self.job.mannequin)
+            if not self.state.contact:
+                dynamics.start(self.state)
+            self._begin(dynamics)
+            last = level == len(grids) - 1
+            course = Course(dynamics, forces_at, self.job.mode, self.job.max_time_s, None if last else COARSE_RESIDUAL_G)
+            try:
+                status = course.run(self.state, self.keep)
+            except (DivergedError, IntersectingError) as error:
+                self.warnings.append(f"on the lattice of {grids[level]:g} mm: {error}")
+                return self._outcome(cloth, dynamics, error.status)
+            if last:
+                return self._outcome(cloth, dynamics, status)
+            self._add_up(dynamics)
+            before, level = cloth, level + 1
+
+    def _begin(self, dynamics: Dynamics) -> None:
+        self._setup = self._setup or time.perf_counter() - self.began
+        self.keep.state = self.state
+
+    def _add_up(self, dynamics: Dynamics) -> None:
+        self.seconds = {kind: self.seconds.get(kind, 0.0) + spent for kind, spent in dynamics.seconds.items()}
+
+    def _sew(self, flat: Cloth, welded: Cloth, particle_map: np.ndarray) -> Outcome | None:
+        """Close and weld the seams; an outcome only where that failed."""
+        dynamics, _ = _dynamics(self.job, flat, self.materials, sewing=True)
+        if self.state is None:
+            self.state = _placed_state(self.job, flat)
+            if flat.spacing == MM_TO_M * self.job.grid_mm:
+                self.state.run[UNREFINED] = 1.0
+            dynamics.start(self.state)
+        self._begin(dynamics)
+        try:
+            welding = close_seams(dynamics, self.state, self.keep)
+        except (DivergedError, IntersectingError) as error:
+            self.warnings.append(str(error))
+            return self._outcome(flat, dynamics, error.status)
+        self._add_up(dynamics)
+        self.state = weld_state(flat, welded, particle_map, self.state)
+        self.state.phase = "fall"
+        self.state.run |= {"phase_from_s": self.state.time_s} | welding.as_run()
+        return None
+
+    def _outcome(self, cloth: Cloth, dynamics: Dynamics, status: str) -> Outcome:
+        assert self.state is not None
+        self._add_up(dynamics)
+        welding = Welding.of_run(self.state.run)
+        if welding.open_seams:
+            self.warnings += welding.open_seams
+            status = "max_time" if status == "converged" else status
+        factor = self.state.run.get("step_factor", 1.0)
+        if factor < 1.0:
+            self.warnings.append(f"motion ran away at the time step that the stiffness allows; the run went back and on with {factor:g} of it")
+        wall = {"setup": self._setup, "drape": time.perf_counter() - self.began - self._setup}
+        return Outcome(self.job, cloth, self.materials, dynamics, self.state, status, welding, wall, self.seconds, self.warnings)
+
+
+def _refined_state(coarse: Cloth, state: State, fine: Cloth, level: int, mannequin: Mannequin) -> State:
+    """The garment of a coarse lattice on a finer one, at rest. RefinementError where that would cross itself or the mannequin."""
+    positions = refine_positions(coarse, state.positions, fine)
+    crossings = len(crossing_triangle_pairs(positions, fine.particle_triangles))
+    crossings += len(crossing_triangle_pairs_between(positions, fine.particle_triangles, mannequin.vertices, mannequin.faces))
+    if crossings:
+        raise RefinementError(f"the drape on {1e3 * coarse.spacing:g} mm crosses itself in {crossings} places on {1e3 * fine.spacing:g} mm: draped anew there")
+    kept = {key: value for key, value in state.run.items() if key not in ("watched", "step_factor")}
+    run = kept | {"level": float(level), "phase_from_s": state.time_s, "settle_drag": SETTLE_MOST}
+    return State(positions, np.zeros_like(positions), state.time_s, state.step, phase="settle", run=run, work_j=dict(state.work_j))
+
+
+def _dynamics(job: Job, cloth: Cloth, materials: MaterialTable, sewing: bool) -> tuple[Dynamics, Callable[[float], ForceAssembly]]:
+    """The stepper, and its forces at a softness. While sewing there is neither weight nor friction: seams slide to where they close."""
+    weight = [] if sewing else [ForceGravity(cloth.masses)]
 
     def forces_at(softness: float) -> ForceAssembly:
         softer = materials._replace(tension_force=materials.tension_force / softness, tension_slope=materials.tension_slope / softness)
-        return ForceAssembly(internal_forces(cloth, softer), cloth.particle_count, body_forces)
+        return ForceAssembly(internal_forces(cloth, softer), cloth.particle_count, weight)
 
     touch = materials
     if sewing:
         touch = materials._replace(friction_body=0.0 * materials.friction_body, friction_cloth=0.0 * materials.friction_cloth)
-    contacts: list[Contact] = [ContactCloth(cloth, touch), ContactBody(job.mannequin.vertices, job.mannequin.faces, cloth, touch)]
+    contact = Contact(cloth, touch, (job.mannequin.vertices, job.mannequin.faces))
     forces = forces_at(SOFTNESS if sewing and job.mode == "drape" else 1.0)
-    return Dynamics(cloth, forces, StrainLimit(cloth, materials), contacts), drag, forces_at
+    return Dynamics(cloth, forces, strain_limit(cloth, materials), contact), forces_at
 
 
 def _placed_state(job: Job, cloth: Cloth) -> State:

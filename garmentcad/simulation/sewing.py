@@ -10,7 +10,17 @@ import numpy as np
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.state import State
 from garmentcad.constraints.points import ConstraintPoints, stitch_rows
-from garmentcad.simulation.course import CLOSED_M, CLOSING_CAP_S, CLOSING_LEAST_M_S, CLOSING_PULL_N_M, CLOSING_RATE, SPEED_CAP_M_S, STEPS_PER_LOOK, Progress
+from garmentcad.simulation.course import (
+    CLOSED_M,
+    CLOSING_CAP_S,
+    CLOSING_DRAG,
+    CLOSING_LEAST_M_S,
+    CLOSING_PULL_N_M,
+    CLOSING_RATE,
+    SPEED_CAP_M_S,
+    Progress,
+    advance_or_retreat,
+)  # fmt: skip
 from garmentcad.solve.dynamics import Dynamics
 
 WIDEST_WELD_MM = 1.0  # a seam that was wider open when it was welded did not close
@@ -59,15 +69,14 @@ def close_seams(dynamics: Dynamics, state: State, look: Callable[[Progress], Non
     dynamics.constraint = ConstraintPoints(stitch_rows(cloth.stitches, names), dynamics.inverse_masses, CLOSING_RATE, pull, CLOSING_LEAST_M_S)
     if len(state.constraint_speeds) == 0:
         state.constraint_speeds = np.zeros((len(cloth.stitches), 3))
-    dynamics.equalise = True
+    dynamics.equalise, dynamics.drag = True, CLOSING_DRAG
     dynamics.speed_cap_m_s = SPEED_CAP_M_S
     while True:
         gaps = np.linalg.norm(dynamics.constraint.gaps(state.positions), axis=1)
         look(Progress(state.phase, state.step, state.time_s, float(gaps.max(initial=0.0)) * 1e3, None, dynamics.measures(state)[2], None))
         if gaps.max(initial=0.0) < CLOSED_M or state.time_s >= CLOSING_CAP_S:
             break
-        for _ in range(STEPS_PER_LOOK):
-            dynamics.step(state)
+        advance_or_retreat(dynamics, state)
     worst: dict[str, float] = {}
     for name, gap in zip(names, gaps, strict=True):
         worst[name] = max(worst.get(name, 0.0), float(gap) * 1e3)

@@ -1,28 +1,28 @@
-"""The stepper: one modified Euler step with every velocity correction between forces and positions, and a time step from the stiffness of the moment.
-
-    v += dt f/m     constraints     strain limiting     contact (last word)     x += dt v
-"""
+"""The stepper: stretches of modified Euler steps (steps.py), with a time step from the stiffness of the moment and detection of contact where it is due."""
 
 from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
 
 import numpy as np
 
+from garmentcad.arrays import floats
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.state import State
-from garmentcad.constraints.points import ConstraintPoints
-from garmentcad.contact.contact import Contact
+from garmentcad.constraints.points import ConstraintPoints, no_bonds
+from garmentcad.contact.contact import SURGE, Contact, farthest
 from garmentcad.errors import GarmentError
 from garmentcad.forces.assembly import ForceAssembly
+from garmentcad.forces.internal import law_arguments
 from garmentcad.forces.time_step import SAFETY
-from garmentcad.solve.integrate import advance_positions, advance_velocities, motion_measures
+from garmentcad.solve.steps import CUT, DONE, LOOK, MOST_CUTS, RUNAWAY, Controls, mean_square, run_steps
 from garmentcad.solve.strain_limit import StrainLimit
 
 # Steps between two looks at the stiffness; tangents change slowly at this scale.
 STEPS_PER_ESTIMATE = 96
+# Way, in lattice spacings, that no particle has exceeded since the last look at the stiffness: strains are what they were.
+_STILL = 2e-3
 # No particle of a garment moves faster on purpose; a faster one is a sign of a diverging run.
 RUNAWAY_M_S = 30.0
 
@@ -30,55 +30,83 @@ RUNAWAY_M_S = 30.0
 class DivergedError(GarmentError):
     """A particle became faster than any garment moves, or not a number. The message names its place on the pattern."""
 
+    status = "diverged"
+
     def __init__(self, cloth: Cloth, particle: int, speed: float, state: State) -> None:
-        vertex = int(np.argmax(cloth.vertex_particle == particle))
-        u, v = cloth.vertex_uv_mm[vertex]
-        place = f"panel '{cloth.panel_names[cloth.vertex_panel[vertex]]}' at ({u:.0f}, {v:.0f}) mm"
+        place = _places(cloth, np.array([particle]))
         when = f"{state.time_s:.4f} s (step {state.step}, phase {state.phase}, time step {1e3 * state.time_step_s:.3g} ms)"
         super().__init__(f"motion ran away: {place} reached {speed:.3g} m/s at {when}; the limit is {RUNAWAY_M_S:g} m/s")
 
 
-class Dynamics:
-    """Moves one cloth. Set `constraint`, `equalise` and `speed_cap_m_s` between steps; `seconds` sums wall time by kind of work.
+class IntersectingError(GarmentError):
+    """Contact could not part two pieces of cloth, or cloth and body. The message names their place on the pattern."""
 
+    status = "intersecting"
+
+    def __init__(self, cloth: Cloth, particles: np.ndarray, state: State) -> None:
+        super().__init__(f"contact is stuck at {_places(cloth, particles)} ({MOST_CUTS} steps in a row were cut) at {state.time_s:.4f} s (step {state.step})")
+
+
+def _places(cloth: Cloth, particles: np.ndarray) -> str:
+    """Where particles lie on the pattern."""
+    vertices = [int(np.argmax(cloth.vertex_particle == particle)) for particle in particles]
+    places = [f"panel '{cloth.panel_names[cloth.vertex_panel[v]]}' at ({cloth.vertex_uv_mm[v, 0]:.0f}, {cloth.vertex_uv_mm[v, 1]:.0f}) mm" for v in vertices]
+    return " and ".join(dict.fromkeys(places))
+
+
+class Dynamics:
+    """Moves one cloth. Set `constraint`, `equalise`, `drag` and `speed_cap_m_s` between stretches; `seconds` sums wall time by kind of work.
+
+    forces: those of `internal_forces` and weight. drag: rate c [1/s], relative to air at rest, in proportion to the mass that resists.
     equalise: drape mode; masses of particles whose own stable step is shorter than the median's are raised until it is not (the shape at rest does not depend
     on them). speed_cap_m_s: forces make no particle faster than this. The time step rests on tangents that are a few steps old, and tension stiffens with
-    strain: what a weld or a snap sets free must not run ahead of them. step_factor: multiplies the time step, for a run
-    that diverged at the step that its stiffness allows. fixed: (P,) bool, particles that do not move.
+    strain: what a weld or a snap sets free must not run ahead of them. step_factor: multiplies the time step, for a run that diverged at the step that its
+    stiffness allows. softness: by which tension in `forces` is divided, so that a change of it is noticed. fixed: (P,) bool, particles that do not move.
     """
 
-    def __init__(self, cloth: Cloth, forces: ForceAssembly, limit: StrainLimit | None, contacts: Sequence[Contact], fixed: np.ndarray | None = None) -> None:
-        self.cloth, self.forces, self.limit, self.contacts = cloth, forces, limit, tuple(contacts)
+    def __init__(self, cloth: Cloth, forces: ForceAssembly, limit: StrainLimit, contact: Contact, fixed: np.ndarray | None = None) -> None:
+        self.cloth, self.forces, self.limit, self.contact = cloth, forces, limit, contact
         self.fixed = np.zeros(cloth.particle_count, dtype=bool) if fixed is None else fixed
         self.equalise = False
+        self.drag = 0.0
         self.speed_cap_m_s = math.inf
-        self.step_factor = 1.0
+        self.step_factor = self.softness = 1.0
         self.constraint: ConstraintPoints | None = None
-        self.seconds = {"forces": 0.0, "constraints": 0.0, "detection": 0.0, "response": 0.0}
-        self._force = np.zeros((cloth.particle_count, 3))
+        self.seconds = {"steps": 0.0, "detection": 0.0, "stiffness": 0.0}
+        self.mean_square_speed = 0.0
         self._stiffness = np.zeros(cloth.particle_count)
-        self._measures = np.zeros(3)
+        self._clock = np.zeros(6)
+        self._masses = floats(cloth.masses)
+        self._cuts = 0
+        self._estimated_at: np.ndarray | None = None
         self.true_inverse_masses = np.where(self.fixed, 0.0, 1.0 / cloth.masses)
         self.set_inverse_masses(self.true_inverse_masses)
 
     def set_inverse_masses(self, inverse_masses: np.ndarray) -> None:
         """Inertia (P,) 1/kg of the next steps, for motion and for what shares impulses between particles."""
         self.inverse_masses = inverse_masses
-        self.forces.set_inertia(np.divide(1.0, inverse_masses, out=self.cloth.masses.copy(), where=inverse_masses > 0.0))
-        for contact in self.contacts:
-            contact.set_inverse_masses(inverse_masses)
+        self.contact.set_inverse_masses(inverse_masses)
         if self.constraint is not None:
             self.constraint.set_inverse_masses(inverse_masses)
 
     def start(self, state: State) -> None:
-        """Prepare a fresh state: contacts allocate and detect."""
-        for contact in self.contacts:
-            contact.start(state)
+        """Prepare a fresh state: contact allocates and detects."""
+        self.contact.start(state)
         self.estimate_time_step(state)
 
     def estimate_time_step(self, state: State) -> None:
-        """Largest stable step for the tangents of the moment, and in drape mode the masses that allow the median particle's step."""
-        self.forces.stiffness(state.positions, self._stiffness)
+        """Largest stable step for the tangents, and in drape mode the masses for the median particle's step; where nothing has moved, those of before."""
+        key = np.array([self.equalise, self.step_factor, self.softness], dtype=np.float64)
+        home = state.contact.get("stiff_home")
+        known = home is not None and np.array_equal(key, state.contact["stiff_key"])
+        if home is None or not known or farthest(state.positions, home) > _STILL * self.cloth.spacing:
+            home = state.positions.copy()
+            state.contact |= {"stiff_home": home, "stiff_key": key}
+        elif home is self._estimated_at:
+            return
+        began = time.perf_counter()
+        self._estimated_at = home
+        self.forces.stiffness(home, self._stiffness)
         free = ~self.fixed
         own = np.full(len(self._stiffness), np.inf)
         moving = free & (self._stiffness > 0.0)
@@ -93,59 +121,72 @@ class Dynamics:
             wanted = smallest
             self.set_inverse_masses(self.true_inverse_masses)
         state.time_step_s = self.step_factor * wanted
+        self.seconds["stiffness"] += time.perf_counter() - began
 
-    def step(self, state: State) -> None:
-        """One step. DivergedError where motion runs away."""
-        if state.step % STEPS_PER_ESTIMATE == 0:
+    def advance(self, state: State, steps: int) -> None:
+        """Many steps. DivergedError where motion runs away, IntersectingError where contact cannot part what it holds."""
+        self.mean_square_speed = 0.0
+        self._check(state)
+        end = state.step + steps
+        while state.step < end:
             self.estimate_time_step(state)
-            self.check(state)
-        dt = state.time_step_s
-        self.correct_velocities(state, dt)
-        advance_positions(state.velocities, dt, state.positions)
-        state.step += 1
-        state.time_s += dt
+            self.contact.refresh(state)
+            self._stretch(state, min(STEPS_PER_ESTIMATE, end - state.step))
 
-    def correct_velocities(self, state: State, dt: float) -> None:
-        """The velocity half of a step: forces, constraints, strain limiting, contact."""
-        clock = time.perf_counter
-        t0 = clock()
-        self.forces.add_up(state.positions, state.velocities, self._force)
-        advance_velocities(self._force, self.inverse_masses, dt, self.speed_cap_m_s, state.velocities)
-        t2 = clock()
-        if self.constraint is not None:
-            state.constraint_speeds = self.constraint.next_speeds(state.positions, state.constraint_speeds, dt)
-            self.constraint.correct(state.velocities, state.constraint_speeds, dt)
-        if self.limit is not None:
-            self.limit.limit(state.positions, state.velocities, self.inverse_masses, dt)
-        t3 = clock()
-        self.seconds["forces"] += t2 - t0
-        self.seconds["constraints"] += t3 - t2
-        if self.contacts:
-            motion_measures(state.velocities, self.cloth.masses, self._measures)
-            reserve = min(float(self._measures[1]), RUNAWAY_M_S) * dt
-            for contact in self.contacts:
-                t4 = clock()
-                contact.detect(state, reserve)
-                t5 = clock()
-                contact.respond(state, dt)
-                self.seconds["detection"] += t5 - t4
-                self.seconds["response"] += clock() - t5
+    def correct_velocities(self, state: State) -> None:
+        """The velocity half of a step of `state.time_step_s`: forces, constraints, strain limiting, contact."""
+        self._stretch(state, 1, hold=True)
+
+    def _stretch(self, state: State, steps: int, hold: bool = False) -> None:
+        contact, count, dt = self.contact, self.cloth.particle_count, state.time_step_s
+        controls = Controls(dt, self.drag, self.speed_cap_m_s, RUNAWAY_M_S, SURGE)
+        laws, sums = law_arguments(self.forces.forces), self.forces.sums(self._masses)
+        bonds = no_bonds() if self.constraint is None else self.constraint.bonds(state.constraint_speeds)
+        contact.load(state)
+        motion = (contact.positions, contact.velocities, contact.inverse_masses)
+        left, resumed = steps, False
+        while left > 0:
+            t0 = time.perf_counter()
+            clock = (state.contact["pair_home"], state.contact["pair_covered"])
+            code = run_steps((left, resumed, hold), controls, laws, sums, bonds, self.limit, (contact.arguments(state), motion, clock), self._clock)
+            done = int(self._clock[0])
+            state.positions[:], state.velocities[:] = contact.positions[:count], contact.velocities[:count]
+            state.step += done
+            state.time_s += (done - (1.0 - self._clock[5])) * dt
+            state.work_j["friction"] += float(self._clock[1])
+            self.mean_square_speed = max(self.mean_square_speed, float(self._clock[2]))
+            left -= done
+            t1 = time.perf_counter()
+            self.seconds["steps"] += t1 - t0
+            if code == RUNAWAY:
+                self._check(state)
+            resumed = code == LOOK
+            if code == LOOK:
+                contact.detect(state, float(np.sqrt((state.velocities**2).sum(axis=1).max())) * dt)
+                self.seconds["detection"] += time.perf_counter() - t1
+            if code == DONE and hold:
+                return
+            if code == CUT:
+                self._cuts += 1
+                if self._cuts == MOST_CUTS:
+                    raise IntersectingError(self.cloth, contact.nodes_of(state, int(self._clock[4])), state)
+            elif done > 1:
+                self._cuts = 0
+
+    def _check(self, state: State) -> None:
+        squares = np.nan_to_num((state.velocities**2).sum(axis=1), nan=np.inf)
+        worst = int(np.argmax(squares))
+        if not squares[worst] < RUNAWAY_M_S**2:
+            raise DivergedError(self.cloth, worst, float(np.sqrt(squares[worst])), state)
 
     def net_forces(self, state: State) -> np.ndarray:
-        """Forces of the laws and gravity (P,3), N, at zero velocity; contact and constraints left out."""
+        """Forces of the laws and weight (P,3), N, at zero velocity; contact and constraints left out."""
         total = np.zeros_like(state.velocities)
         self.forces.add_up(state.positions, np.zeros_like(state.velocities), total)
         return total
 
-    def check(self, state: State) -> None:
-        """DivergedError where a particle is faster than any garment moves, or not a number."""
-        motion_measures(state.velocities, self.cloth.masses, self._measures)
-        speed = float(self._measures[1])
-        if not speed < RUNAWAY_M_S:
-            squares = np.nan_to_num((state.velocities**2).sum(axis=1), nan=np.inf)
-            raise DivergedError(self.cloth, int(np.argmax(squares)), speed, state)
-
     def measures(self, state: State) -> tuple[float, float, float]:
         """Kinetic energy J, largest speed m/s, RMS speed m/s (mass-weighted)."""
-        motion_measures(state.velocities, self.cloth.masses, self._measures)
-        return float(self._measures[0]), float(self._measures[1]), float(np.sqrt(self._measures[2]))
+        square = float(mean_square(state.velocities, self.cloth.masses))
+        fastest = float(np.sqrt((state.velocities**2).sum(axis=1).max(initial=0.0)))
+        return 0.5 * float(self.cloth.masses.sum()) * square, fastest, math.sqrt(square)

@@ -49,12 +49,9 @@ def residual(dynamics: Dynamics, state: State, patch: np.ndarray) -> Residual:
     trial = deepcopy(state)
     trial.velocities[:] = 0.0
     pushed = deepcopy(trial)
-    seconds = dict(dynamics.seconds)
     dt = state.time_step_s
-    dynamics.correct_velocities(trial, dt)
-    for contact in dynamics.contacts:
-        contact.respond(pushed, dt)
-    dynamics.seconds = seconds
+    dynamics.correct_velocities(trial)
+    dynamics.contact.respond(pushed, dt)
     masses = np.where(dynamics.fixed, 0.0, dynamics.cloth.masses)
     beyond_push = trial.velocities - pushed.velocities
     still = (trial.velocities**2).sum(axis=1) < (beyond_push**2).sum(axis=1)

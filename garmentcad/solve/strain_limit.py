@@ -6,72 +6,63 @@ Where |x_b - x_a + dt (v_b - v_a)| exceeds (1 + limit) L0, both ends are pulled 
 
 from __future__ import annotations
 
-import numpy as np
-from numba import prange
+import math
+from typing import NamedTuple
 
-from garmentcad.arrays import indices, kernel, parallel_kernel
+import numpy as np
+
+from garmentcad.arrays import kernel
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.fabric.material import MaterialTable
 
-_CHUNKS = 16
 SWEEPS = 20
 
 
-@parallel_kernel
-def _find_too_long(positions, velocities, ends, longest, time_step, found):
-    chunk = (len(ends) + _CHUNKS - 1) // _CHUNKS
-    for k in prange(_CHUNKS):
-        count = 0
-        for link in range(k * chunk, min((k + 1) * chunk, len(ends))):
-            a, b = ends[link, 0], ends[link, 1]
-            square = 0.0
-            for axis in range(3):
-                gap = positions[b, axis] - positions[a, axis] + time_step * (velocities[b, axis] - velocities[a, axis])
-                square += gap * gap
-            if square > longest[link] * longest[link]:
-                count += 1
-        found[k] = count
+class StrainLimit(NamedTuple):
+    """The links of a cloth and their limits."""
+
+    ends: np.ndarray  # (L,2) int32
+    longest: np.ndarray  # (L,) m
+
+
+def strain_limit(cloth: Cloth, materials: MaterialTable) -> StrainLimit:
+    """The limits of all links of `cloth`."""
+    limit = materials.strain_limit[cloth.links.material, cloth.links.direction]
+    return StrainLimit(np.array(cloth.links.ends), cloth.links.rest_length * (1.0 + limit))
 
 
 @kernel
-def _pull_back(positions, ends, longest, inverse_masses, time_step, velocities):
-    """Gauss-Seidel sweeps over all links in their order; returns how many are still too long."""
-    ahead = np.empty(3)
+def least_headroom(positions, limit):  # type: ignore[no-untyped-def]
+    """By how much the link nearest to its limit is shorter than that, m; negative where one is longer."""
+    least = math.inf
+    for link in range(len(limit.longest)):
+        a, b = limit.ends[link, 0], limit.ends[link, 1]
+        x, y, z = positions[b, 0] - positions[a, 0], positions[b, 1] - positions[a, 1], positions[b, 2] - positions[a, 2]
+        least = min(least, limit.longest[link] - math.sqrt(x * x + y * y + z * z))
+    return least
+
+
+@kernel
+def pull_back(positions, limit, inverse_masses, time_step, velocities):  # type: ignore[no-untyped-def]
+    """Gauss-Seidel sweeps over all links in their order, velocities in place; returns how many are still too long at the end of the step."""
+    ends, longest = limit.ends, limit.longest
     left = 0
     for _ in range(SWEEPS):
         left = 0
         for link in range(len(ends)):
             a, b = ends[link, 0], ends[link, 1]
-            square = 0.0
-            for axis in range(3):
-                ahead[axis] = positions[b, axis] - positions[a, axis] + time_step * (velocities[b, axis] - velocities[a, axis])
-                square += ahead[axis] * ahead[axis]
+            x = positions[b, 0] - positions[a, 0] + time_step * (velocities[b, 0] - velocities[a, 0])
+            y = positions[b, 1] - positions[a, 1] + time_step * (velocities[b, 1] - velocities[a, 1])
+            z = positions[b, 2] - positions[a, 2] + time_step * (velocities[b, 2] - velocities[a, 2])
+            square = x * x + y * y + z * z
             mobility = inverse_masses[a] + inverse_masses[b]
             if square > longest[link] * longest[link] and mobility > 0.0:
-                length = np.sqrt(square)
+                length = math.sqrt(square)
                 left += 1
                 pull = (length - longest[link]) / (length * mobility * time_step)
-                for axis in range(3):
-                    velocities[a, axis] += inverse_masses[a] * pull * ahead[axis]
-                    velocities[b, axis] -= inverse_masses[b] * pull * ahead[axis]
+                at, bt = inverse_masses[a] * pull, inverse_masses[b] * pull
+                velocities[a, 0], velocities[a, 1], velocities[a, 2] = velocities[a, 0] + at * x, velocities[a, 1] + at * y, velocities[a, 2] + at * z
+                velocities[b, 0], velocities[b, 1], velocities[b, 2] = velocities[b, 0] - bt * x, velocities[b, 1] - bt * y, velocities[b, 2] - bt * z
         if left == 0:
             break
     return left
-
-
-class StrainLimit:
-    """Binds the links of a cloth to their limits. `left` is the number of links that the last call could not shorten enough."""
-
-    def __init__(self, cloth: Cloth, materials: MaterialTable) -> None:
-        self._ends = cloth.links.ends
-        limit = materials.strain_limit[cloth.links.material, cloth.links.direction]
-        self._longest = cloth.links.rest_length * (1.0 + limit)
-        self._found = indices(np.zeros(_CHUNKS))
-        self.left = 0
-
-    def limit(self, positions: np.ndarray, velocities: np.ndarray, inverse_masses: np.ndarray, time_step_s: float) -> None:
-        """Correct velocities (P,3) in place."""
-        _find_too_long(positions, velocities, self._ends, self._longest, time_step_s, self._found)
-        self.left = 0
-        if self._found.any():
-            self.left = int(_pull_back(positions, self._ends, self._longest, inverse_masses, time_step_s, velocities))

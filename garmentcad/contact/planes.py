@@ -1,0 +1,264 @@
+"""Particles against a body, each by itself: planes that stand for the faces around it, and the velocities that they allow.
+
+A look at the body lists the faces in reach of a particle and keeps at most two planes: of the nearest face, and of one on the other side of a hollow corner.
+
+    room(x) = n.(x - x_home) + signed distance at x_home - gap
+
+serves until the particle has gone its allowance. Distance from a convex body is a convex function, so that this plane never lies below the body's own
+distance there: a particle that slides along a bulge of radius R is held off by at most way^2/(2 R) too much. In a hollow it is the other way round; the gap
+covers that. Response: the approach beyond room/dt is removed, Coulomb friction with exact sticking takes what is left along the plane.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import prange
+
+from garmentcad.arrays import CHUNKS, chunk_range, kernel, parallel_kernel
+from garmentcad.contact.bvh import box_distance2, node_after
+from garmentcad.geometry.closest import along, cross, distance_between, dot, minus, mixed, point_triangle, row, unit
+
+PUSH_SPEED = 0.25  # m/s, fastest separation of what stands below its gap
+PUSH_TIME = 5e-3  # s, time constant of that separation
+# m: this close to its gap a contact is closed. Without it what rests on something may still approach by the room that is left, a fraction of a micrometre
+# in a step of some 10 us, which looks like several g.
+CLOSED = 2e-6
+MARGIN = 0.5e-3  # m, way that one look covers at least
+_STEPS_PER_LOOK = 16  # and more where the particle is fast: the way of so many steps,
+_MOST = 3e-3  # m, but not more than this
+_FAR = 0.5  # m, beyond this the distance to the body is not looked for
+_APART = 0.95  # cosine between normals below which a second face is a contact of its own (the other side of a hollow corner)
+_FACING = 0.7  # cosine to the feature's pseudo-normal above which a face holds a closest point of its own
+_LISTED = 64  # faces that one look may list; of more, the nearest
+
+
+class Planes(NamedTuple):
+    """What the last look of each particle found; lives in State."""
+
+    home: np.ndarray  # (P,3) m, where it looked
+    allowance: np.ndarray  # (P,) m, how far it may go from there
+    closest: np.ndarray  # (P,) m, distance of the nearest face there, or a lower bound of it
+    held: np.ndarray  # (P,) int32 planes, 0 to 2
+    normal: np.ndarray  # (P,2,3) unit
+    room: np.ndarray  # (P,2) m, at home
+
+
+class Grip(NamedTuple):
+    """Constants of the response."""
+
+    gap: np.ndarray  # (P,) m
+    rise: np.ndarray  # (V,) m, least gap at the body's vertices because it curves there
+    largest_gap: np.ndarray  # (1,) m, up to which curvature raises the gap
+    friction: np.ndarray  # (P,)
+
+
+@kernel
+def _list_faces(surface, tree, x, reaches, rows):  # type: ignore[no-untyped-def]
+    """Faces within reach of x into `rows` (distance, face), nearest first; for a particle inside the body at least the nearest face. reaches: this reach,
+    and how far to look for the closest face. Returns their number, and the distance of the closest face or how far it was looked for in vain."""
+    leaves, count = len(tree.boxes) // 2, len(tree.order)
+    reach2, closest2 = reaches[0] ** 2, reaches[1] ** 2
+    found, inside, nearest = 0, False, 0
+    node = 1
+    while True:
+        # Until something is in reach, the closest face is looked for; from then on all within reach.
+        apart = box_distance2(tree.boxes, node, x) > max(closest2, reach2)
+        if not apart and node < leaves:
+            node *= 2
+            continue
+        if not apart:
+            for slot in range((node - leaves) * count // leaves, (node - leaves + 1) * count // leaves):
+                face = tree.order[slot]
+                corners = row(surface.faces, face)
+                a, b, c = row(surface.vertices, corners[0]), row(surface.vertices, corners[1]), row(surface.vertices, corners[2])
+                u, v, w, distance2, feature = point_triangle(x, a, b, c)
+                if distance2 <= closest2:
+                    outward = (surface.normals[face, feature, 0], surface.normals[face, feature, 1], surface.normals[face, feature, 2])
+                    inside, nearest = dot(minus(x, mixed(a, b, c, u, v, w)), outward) < 0.0, face
+                closest2 = min(closest2, distance2)
+                if distance2 > reach2:
+                    continue
+                distance = math.sqrt(distance2)
+                if found == _LISTED:
+                    if distance >= rows[found - 1, 0]:
+                        continue
+                    found -= 1
+                place = found
+                while place > 0 and rows[place - 1, 0] > distance:
+                    rows[place, 0], rows[place, 1] = rows[place - 1, 0], rows[place - 1, 1]
+                    place -= 1
+                rows[place, 0], rows[place, 1] = distance, face
+                found += 1
+        node = node_after(node)
+        if node == 1:
+            break
+    if inside and found == 0:
+        found, rows[0, 0], rows[0, 1] = 1, math.sqrt(closest2), nearest
+    return found, math.sqrt(closest2)
+
+
+@kernel
+def _face_contact(surface, face, grip, x, p):  # type: ignore[no-untyped-def]
+    """Signed distance of x from the face, unit vector along which it grows, room above the gap there, and its cosine to the feature's pseudo-normal."""
+    corners = row(surface.faces, face)
+    a, b, c = row(surface.vertices, corners[0]), row(surface.vertices, corners[1]), row(surface.vertices, corners[2])
+    u, v, w, distance2, feature = point_triangle(x, a, b, c)
+    outward = (surface.normals[face, feature, 0], surface.normals[face, feature, 1], surface.normals[face, feature, 2])
+    apart = minus(x, mixed(a, b, c, u, v, w))
+    distance = math.sqrt(distance2)
+    rise = u * grip.rise[corners[0]] + v * grip.rise[corners[1]] + w * grip.rise[corners[2]]
+    gap = max(grip.gap[p], min(rise, grip.largest_gap[0]))
+    facing = dot(apart, outward)
+    if distance < 1e-9:
+        return 0.0, outward, -gap, 1.0
+    size = -1.0 / distance if facing < 0.0 else 1.0 / distance
+    signed = -distance if facing < 0.0 else distance
+    return signed, (apart[0] * size, apart[1] * size, apart[2] * size), signed - gap, abs(facing) / distance
+
+
+@kernel
+def _keep(planes, p, place, normal, room):  # type: ignore[no-untyped-def]
+    planes.normal[p, place, 0], planes.normal[p, place, 1], planes.normal[p, place, 2] = normal
+    planes.room[p, place] = room
+    planes.held[p] = place + 1
+
+
+@kernel
+def _look(p, surface, tree, grip, x, reaches, planes, rows):  # type: ignore[no-untyped-def]
+    """Set the planes of particle p at x. reaches: largest gap of any particle, and the way that the look should cover."""
+    largest, margin = reaches
+    way = math.sqrt(dot(minus(x, row(planes.home, p)), minus(x, row(planes.home, p))))
+    before = planes.closest[p]
+    bound = min(_FAR, way + before)  # the closest face is no farther than it was plus the way
+    found, closest = _list_faces(surface, tree, x, (largest + margin, bound), rows)
+    planes.held[p] = 0
+    nearest, first = (0.0, 0.0, 0.0), 0.0
+    for k in range(found):
+        signed, normal, room, own = _face_contact(surface, int(rows[k, 1]), grip, x, p)
+        if k == 0:
+            nearest, first = normal, room
+            _keep(planes, p, 0, normal, room)
+        elif own > _FACING and signed > 0.0 and dot(nearest, normal) < _APART:
+            _keep(planes, p, 1, normal, room)
+            break
+    for axis in range(3):
+        planes.home[p, axis] = x[axis]
+    planes.closest[p] = closest
+    # One inside the body moves out by planes that its way changes quickly.
+    planes.allowance[p] = closest - largest if found == 0 else margin
+    if found > 0 and first < -largest:
+        planes.allowance[p] = 0.25 * MARGIN
+
+
+@kernel
+def rooms(planes, p, place, x):  # type: ignore[no-untyped-def]
+    """Unit normal of a plane of particle p, and the room of x above it, m."""
+    normal = (planes.normal[p, place, 0], planes.normal[p, place, 1], planes.normal[p, place, 2])
+    return normal, planes.room[p, place] + dot(normal, minus(x, row(planes.home, p)))
+
+
+@kernel
+def _cone(v, slide, limit):  # type: ignore[no-untyped-def]
+    """v without its part `slide`, or with that part shortened by `limit` m/s."""
+    size = math.sqrt(dot(slide, slide))
+    share = 1.0 if size <= limit else limit / size
+    return along(v, slide, -share)
+
+
+@kernel
+def _hold(p, planes, mu, x, v, time_step):  # type: ignore[no-untyped-def]
+    """Velocity of particle p that its planes allow, and the part of it that friction took."""
+    n1, room1 = rooms(planes, p, 0, x)
+    n2, room2 = n1, math.inf
+    if planes.held[p] > 1:
+        n2, room2 = rooms(planes, p, 1, x)
+    # Speeds along the normals that the gap demands in this step; what is below the gap already is pushed out afterwards, without friction.
+    least1, least2 = min(0.0, (CLOSED - room1) / time_step), min(0.0, (CLOSED - room2) / time_step)
+    before = v
+    press1 = max(0.0, least1 - dot(v, n1))
+    v = along(v, n1, press1)
+    press2 = 0.0
+    if room2 < math.inf:
+        lean = dot(n1, n2)
+        press2 = max(0.0, least2 - dot(v, n2))
+        if press2 > 0.0 and dot(v, n1) + press2 * lean < least1 and lean > -0.99:
+            # Both hold: solve for the two pushes together.
+            need1, need2 = least1 - dot(before, n1), least2 - dot(before, n2)
+            det = 1.0 - lean * lean
+            press1, press2 = max(0.0, (need1 - lean * need2) / det), max(0.0, (need2 - lean * need1) / det)
+            v = along(along(before, n1, press1), n2, press2)
+        else:
+            v = along(v, n2, press2)
+    pressed = v
+    if press2 == 0.0 and press1 > 0.0:
+        v = _cone(v, along(v, n1, -dot(v, n1)), mu * press1)
+    elif press1 == 0.0 and press2 > 0.0:
+        v = _cone(v, along(v, n2, -dot(v, n2)), mu * press2)
+    elif press1 > 0.0:
+        line = unit(cross(n1, n2))
+        speed = dot(v, line)
+        v = _cone(v, (speed * line[0], speed * line[1], speed * line[2]), mu * (press1 + press2))
+    lost = minus(v, pressed)
+    if room2 < 0.0:
+        v = along(v, n2, max(0.0, min(PUSH_SPEED, -room2 / max(PUSH_TIME, time_step)) - dot(v, n2)))
+    if room1 < 0.0:
+        v = along(v, n1, max(0.0, min(PUSH_SPEED, -room1 / max(PUSH_TIME, time_step)) - dot(v, n1)))
+    return v, lost
+
+
+@kernel
+def allowed(planes, p, x, v, time_step):  # type: ignore[no-untyped-def]
+    """v without its approach beyond the room of the planes of particle p, x; for impulses of other contacts, which friction and push follow later."""
+    for place in range(planes.held[p]):
+        normal, room = rooms(planes, p, place, x)
+        v = along(v, normal, max(0.0, min(0.0, (CLOSED - room) / time_step) - dot(v, normal)))
+    return v
+
+
+@kernel
+def _respond_of(particles, body, planes, grip, motion, time_step, out):  # type: ignore[no-untyped-def]
+    surface, tree, largest = body
+    positions, velocities, inverse_masses = motion
+    rows = np.empty((_LISTED, 2))
+    total = largest_square = 0.0
+    for p in range(particles[0], particles[1]):
+        x, v = row(positions, p), row(velocities, p)
+        square = dot(v, v)
+        if planes.allowance[p] == math.inf or inverse_masses[p] == 0.0:
+            # A speed that is not a number must not hide behind a comparison that is false.
+            largest_square = max(largest_square, square) if square == square else math.inf
+            continue
+        speed = math.sqrt(square)
+        # What a push adds to the way is no faster than its own cap.
+        reserve = max(speed, PUSH_SPEED) * time_step
+        if distance_between(positions, planes.home, p) + reserve > planes.allowance[p]:
+            _look(p, surface, tree, grip, x, (largest, max(MARGIN, 2.0 * reserve, min(_STEPS_PER_LOOK * speed * time_step, _MOST))), planes, rows)
+        if planes.held[p] > 0 and (planes.held[p] > 1 or rooms(planes, p, 0, x)[1] <= reserve):
+            v, lost = _hold(p, planes, grip.friction[p], x, v, time_step)
+            velocities[p, 0], velocities[p, 1], velocities[p, 2] = v
+            total += dot(lost, v) / inverse_masses[p]
+            square = dot(v, v)
+        largest_square = max(largest_square, square) if square == square else math.inf
+    out[0], out[1] = total, largest_square
+
+
+@parallel_kernel
+def respond_planes(surface, tree, largest, planes, grip, positions, velocities, inverse_masses, time_step, out):  # type: ignore[no-untyped-def]
+    """Velocities in place; out (CHUNKS,2): work of friction, J, and largest squared speed, m2/s2; largest: m, of all gaps.
+
+    Particles that have gone their allowance look at the body first.
+    """
+    count = len(planes.held)
+    for chunk in prange(CHUNKS):
+        _respond_of(
+            chunk_range(chunk, count), (surface, tree, largest), planes, grip, (positions, velocities, inverse_masses), time_step, out[chunk]
+        )
+
+
+def fresh_planes(positions: np.ndarray) -> Planes:
+    """Planes of particles (P,3) that all have to look."""
+    count = len(positions)
+    return Planes(positions.copy(), np.full(count, -np.inf), np.full(count, np.inf), np.zeros(count, np.int32), np.zeros((count, 2, 3)), np.zeros((count, 2)))

@@ -1,0 +1,45 @@
+"""From a coarse lattice to a finer one of the same garment: every fine vertex goes where the coarse panel has its point.
+
+Linear on the coarse triangles: links then keep their rest lengths (a smooth interpolant would be longer than the chords, by 4 % where a fold of 20 mm
+radius lies on a lattice of 20 mm), and fine triangles stay on the coarse surface, which crosses nothing. Bending settles afterwards.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from garmentcad.cloth.cloth import Cloth
+
+_NEAREST = 16  # triangles around a point among which the one that holds it is looked for
+
+
+def refine_positions(coarse: Cloth, positions: np.ndarray, fine: Cloth) -> np.ndarray:
+    """Positions (P,3) of the particles of `fine` on the coarse cloth at `positions`; where several vertices became one particle, their mean.
+
+    Vertices of a convex contour lie outside the chords of the coarse one: they continue its triangles.
+    """
+    found = np.empty((len(fine.vertex_panel), 3))
+    triangle_panel = coarse.vertex_panel[coarse.triangles[:, 0]]
+    for panel in range(len(coarse.panel_names)):
+        mine, triangles = np.flatnonzero(fine.vertex_panel == panel), coarse.triangles[triangle_panel == panel]
+        corners = coarse.vertex_uv_mm[triangles]
+        points = fine.vertex_uv_mm[mine]
+        near = cKDTree(corners.mean(axis=1)).query(points, k=min(_NEAREST, len(triangles)))[1].reshape(len(points), -1)
+        weights = _barycentric(points[:, None, :], corners[near])
+        best = np.argmax(weights.min(axis=2), axis=1)
+        rows = np.arange(len(points))
+        at = positions[coarse.vertex_particle[triangles[near[rows, best]]]]
+        found[mine] = np.einsum("nk,nkx->nx", weights[rows, best], at)
+    count = np.bincount(fine.vertex_particle, minlength=fine.particle_count)
+    return np.column_stack([np.bincount(fine.vertex_particle, found[:, axis], fine.particle_count) / count for axis in range(3)])
+
+
+def _barycentric(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """Weights (N,K,3) of points (N,1,2) in triangles (N,K,3,2)."""
+    a, b, c = corners[..., 0, :], corners[..., 1, :], corners[..., 2, :]
+    ab, ac, ap = b - a, c - a, points - a
+    area = ab[..., 0] * ac[..., 1] - ab[..., 1] * ac[..., 0]
+    v = (ap[..., 0] * ac[..., 1] - ap[..., 1] * ac[..., 0]) / area
+    w = (ab[..., 0] * ap[..., 1] - ab[..., 1] * ap[..., 0]) / area
+    return np.stack([1.0 - v - w, v, w], axis=-1)

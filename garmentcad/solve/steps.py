@@ -1,0 +1,145 @@
+"""Many steps in one call: modified Euler after Provot, with every correction of the velocity between forces and positions.
+
+    v <- v + dt (F/M + (m/M) g - c v)     constraints     strain limiting     contact (last word)     x <- x + dt v
+
+m true mass, M mass that resists: it exceeds m only where drape mode slows a fast element down (weight is that of the true mass, drag that of M).
+Source: Provot 1995 (velocity before position); DESIGN section 3 for the order of corrections between the two halves.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import prange
+
+from garmentcad.arrays import CHUNKS, chunk_range, kernel, parallel_kernel
+from garmentcad.constraints.points import correct_speeds, demand_speeds
+from garmentcad.contact.contact import farthest, respond
+from garmentcad.contact.pairs import fastest_of
+from garmentcad.forces.internal import write_internal
+from garmentcad.solve.strain_limit import least_headroom, pull_back
+
+DONE, LOOK, RUNAWAY, CUT = 0, 1, 2, 3  # why a call ended: all steps done; contact must look for candidates; too fast; a step was cut
+MOST_CUTS = 20
+
+
+class Controls(NamedTuple):
+    """Numbers of a stretch of steps, and what they report."""
+
+    time_step: float  # s
+    drag: float  # 1/s
+    speed_cap: float  # m/s, forces make no particle faster
+    runaway: float  # m/s
+    surge: float  # of the fastest speed before a response, up to which contact counts on it
+
+
+@kernel
+def _advance_of(particles, sums, rates, inverse_masses, velocities, out):  # type: ignore[no-untyped-def]
+    time_step, drag, cap = rates
+    largest = 0.0
+    for p in range(particles[0], particles[1]):
+        fx = fy = fz = 0.0
+        for j in range(sums.starts[p], sums.starts[p + 1]):
+            k = sums.slots[j]
+            fx, fy, fz = fx + sums.corner_forces[k, 0], fy + sums.corner_forces[k, 1], fz + sums.corner_forces[k, 2]
+        push, keep = time_step * inverse_masses[p], 1.0 - time_step * drag
+        if push == 0.0:
+            keep = 1.0
+        x, y, z = keep * velocities[p, 0] + push * fx, keep * velocities[p, 1] + push * (fy - sums.weight[p]), keep * velocities[p, 2] + push * fz
+        square = x * x + y * y + z * z
+        # not a number stays one: the comparison is false
+        share = cap / math.sqrt(square) if square > cap * cap else 1.0
+        velocities[p, 0], velocities[p, 1], velocities[p, 2] = share * x, share * y, share * z
+        square *= share * share
+        largest = max(largest, square) if square == square else math.inf
+    out[0] = largest
+
+
+@parallel_kernel
+def advance_velocities(sums, rates, inverse_masses, velocities, out):  # type: ignore[no-untyped-def]
+    """Velocities in place; rates: time step, drag, speed cap; out (CHUNKS,2): largest squared speed in the first column."""
+    count = len(sums.weight)
+    for chunk in prange(CHUNKS):
+        _advance_of(chunk_range(chunk, count), sums, rates, inverse_masses, velocities, out[chunk])
+
+
+@kernel
+def _largest(out):  # type: ignore[no-untyped-def]
+    square = 0.0
+    for chunk in range(len(out)):
+        square = max(square, out[chunk, 0])
+    return math.sqrt(square)
+
+
+@kernel
+def mean_square(velocities, masses):  # type: ignore[no-untyped-def]
+    """Mass-weighted mean square speed, m2/s2, of the first particles of `velocities`."""
+    sum_, total = 0.0, 0.0
+    for p in range(len(masses)):
+        sum_ += masses[p] * (velocities[p, 0] ** 2 + velocities[p, 1] ** 2 + velocities[p, 2] ** 2)
+        total += masses[p]
+    return sum_ / total
+
+
+@kernel
+def _move(count, step, velocities, positions):  # type: ignore[no-untyped-def]
+    for p in range(count):
+        for axis in range(3):
+            positions[p, axis] += step * velocities[p, axis]
+
+
+@kernel
+def run_steps(order, controls, laws, sums, bonds, limit, contact, clock):  # type: ignore[no-untyped-def]
+    """Up to a number of steps. order: steps, whether the first begins at its contact part, whether it stops short of moving positions.
+
+    bonds: constraint rows with their demanded speeds (see constraints/points.py); contact: arguments of the response, motion of all nodes, home and cover of
+    the candidates. clock (6,): out: steps done, friction work J, largest mean square speed, links left too long, pair that cut the last step, safe part of it.
+
+    Returns why it ended.
+    """
+    steps, resumed, hold = order
+    rules, (positions, velocities, inverse_masses), (home, covered) = contact
+    dt, count = controls.time_step, len(sums.weight)
+    out = np.zeros((CHUNKS, 2))
+    motion = (positions, velocities, inverse_masses, dt)
+    way, headroom = farthest(positions, home), 0.0
+    clock[:] = 0.0
+    clock[4], clock[5] = -1.0, 1.0
+    for step in range(steps):
+        if step > 0 or not resumed:
+            write_internal(laws, positions, velocities, sums.corner_forces)
+            advance_velocities(sums, (dt, controls.drag, controls.speed_cap), inverse_masses, velocities, out)
+            fastest = _largest(out)
+            if not fastest < controls.runaway:
+                return RUNAWAY
+            if len(bonds.wanted) > 0:
+                demand_speeds(bonds, positions, dt)
+                correct_speeds(bonds, dt, velocities)
+                fastest = fastest_of(velocities)
+            if len(limit.longest) > 0 and headroom < 2.0 * fastest * dt:
+                # No link gains more than twice the way of the fastest particle; until that reaches the headroom none can be too long.
+                headroom = least_headroom(positions, limit)
+                if headroom < 2.0 * fastest * dt:
+                    clock[3] = pull_back(positions, limit, inverse_masses, dt, velocities)
+                    fastest = fastest_of(velocities)
+        else:
+            fastest = fastest_of(velocities)
+        if way + controls.surge * fastest * dt > covered[0]:
+            way = farthest(positions, home)
+            if way + controls.surge * fastest * dt > covered[0]:
+                return LOOK
+        part, worst, work, fastest = respond(rules, motion, way, fastest)
+        clock[1] += work
+        if hold:
+            return DONE
+        _move(count, part * dt, velocities, positions)
+        way += fastest * dt
+        headroom -= 2.0 * fastest * dt
+        clock[0] += 1.0
+        clock[2] = max(clock[2], mean_square(velocities, sums.masses))
+        if worst >= 0:
+            clock[4], clock[5] = worst, part
+            return CUT
+    return DONE
