@@ -79,7 +79,7 @@ def _border_of(items, border, damping_time, positions, velocities, stresses, out
             g, h, c = border.warp_gradient[i, k], border.weft_gradient[i, k], border.corners[i, k]
             ux, uy, uz = ux + g * x[c, 0], uy + g * x[c, 1], uz + g * x[c, 2]
             wx, wy, wz = wx + h * x[c, 0], wy + h * x[c, 1], wz + h * x[c, 2]
-        gamma, gux, guy, guz, gwx, gwy, gwz = shear_angle(ux, uy, uz, wx, wy, wz)
+        gamma, gux, guy, guz, gwx, gwy, gwz, _ = shear_angle(ux, uy, uz, wx, wy, wz)
         rate = 0.0
         for k in range(3):
             g, h, c = border.warp_gradient[i, k], border.weft_gradient[i, k], border.corners[i, k]
