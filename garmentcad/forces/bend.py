@@ -39,7 +39,7 @@ def opening(ax, ay, az, bx, by, bz):  # type: ignore[no-untyped-def]
     """Cosine of the angle t between two unit vectors and t/sin(t), without branches. From half the angle, whose cosine is |a + b|/2 without cancellation."""
     x, y, z = ax + bx, ay + by, az + bz
     half = math.sqrt(max(0.25 * (x * x + y * y + z * z), 0.25 * LEAST_SINE * LEAST_SINE))
-    return ax * bx + ay * by + az * bz, angle_over_sine(half) / half
+    return ax * bx + ay * by + az * bz, angle_over_sine(half) * (1.0 / half)  # the division need not wait
 
 
 @kernel

@@ -40,25 +40,31 @@ def _load(span, particle, positions, velocities, motion):  # type: ignore[no-unt
 
 
 @kernel
-def _sum(span, room, out):  # type: ignore[no-untyped-def]
-    """Total of each slot into out (R,3), from its first one on; span: first slot in the room, slots to the warp neighbour, number of slots."""
+def _sum(span, room, total):  # type: ignore[no-untyped-def]
+    """Total of each slot into total (3+,R); span: first slot in the room, slots to the warp neighbour, number of slots."""
     first, up, count = span
-    total = room[_MOTION : _MOTION + 3]
     for axis in range(3):
         weft, weft_before = room[_WEFT + axis, first:], room[_WEFT + axis, first - 1 :]
         turn, turn_behind = room[_WEFT + 3 + axis, first:], room[_WEFT + 3 + axis, first + 1 :]
         warp, warp_before = room[_WARP + axis, first:], room[_WARP + axis, first - up :]
         warp_turn, warp_turn_behind = room[_WARP + 3 + axis, first:], room[_WARP + 3 + axis, first + up :]
         # cells in which the slot is corner 00, 10, 11, 01
-        c00, c10, c11, c01 = room[_CELL + axis, first:], room[_CELL + 3 + axis, first - 1 :], room[_CELL + 6 + axis, first - up - 1 :], room[_CELL + 9 + axis, first - up :]
-        into = total[axis]
+        c00, c10 = room[_CELL + axis, first:], room[_CELL + 3 + axis, first - 1 :]
+        c11, c01 = room[_CELL + 6 + axis, first - up - 1 :], room[_CELL + 9 + axis, first - up :]
+        into = total[axis, first:]
         for i in range(np.uint64(count)):
             along_weft = (weft[i] - weft_before[i]) + (turn_behind[i] - turn[i])
             along_warp = (warp[i] - warp_before[i]) + (warp_turn_behind[i] - warp_turn[i])
             into[i] = (along_weft + along_warp) + ((c00[i] + c10[i]) + (c11[i] + c01[i]))
-    x, y, z = total[0], total[1], total[2]
-    for i in range(count):
-        out[i, 0], out[i, 1], out[i, 2] = x[i], y[i], z[i]
+
+
+@kernel
+def _store(first, count, total, out):  # type: ignore[no-untyped-def]
+    """Total (3+,R) of the slots from `first` in the room on into out (3 count,): one row of memory, for wide instructions."""
+    x, y, z = total[0, first:], total[1, first:], total[2, first:]
+    for i in range(np.uint64(count)):
+        k = np.uint64(3) * i
+        out[k], out[k + np.uint64(1)], out[k + np.uint64(2)] = x[i], y[i], z[i]
 
 
 @kernel
@@ -86,7 +92,10 @@ def _block(k, blocks, coefficients, setting, positions, velocities, room, out): 
     begin = (first - up - 1) // LANES * LANES
     count = (first + size - 1 + LANES - begin) // LANES * LANES
     cell_row((begin - origin, up, count), coefficients[_C_SHEAR, begin:], coefficients[_C_TWIST, begin:], h, damping_time, motion, room[_CELL:_ALL])
-    _sum((first - origin, up, size), room, out[first:])
+    begin = first // LANES * LANES
+    count = (first + size - 1 + LANES - begin) // LANES * LANES
+    _sum((begin - origin, up, count), room, motion)
+    _store(first - origin, size, motion, out.reshape(-1)[3 * first :])
 
 
 @kernel

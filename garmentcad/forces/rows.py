@@ -19,7 +19,7 @@ from garmentcad.arrays import indices
 from garmentcad.cloth.cloth import WARP, WEFT, Cloth
 from garmentcad.forces.force import NO_PARTICLE
 
-BLOCK = 1024  # slots of a block, about: so many that what is computed twice at its ends does not count, so few that its fields stay in a near cache
+BLOCK = 1536  # slots of a block, about: so many that what is computed twice at its ends does not count, so few that its fields stay in a near cache
 LANES = 8  # numbers in the widest registers: loops begin at multiples of it
 
 
