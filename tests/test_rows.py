@@ -59,7 +59,7 @@ def test_a_link_that_joins_no_neighbours_is_refused() -> None:
 def test_every_lattice_particle_has_one_slot(garment: tuple[Cloth, MaterialTable, np.ndarray]) -> None:
     cloth, _, _ = garment
     slots = LatticeSlots(cloth)
-    pieces = slots.pieces
-    held = np.concatenate([pieces.particle[first : first + size] for first, size in zip(pieces.first, pieces.size, strict=True)])
+    blocks = slots.blocks
+    held = np.concatenate([blocks.particle[first : first + size] for first, size in zip(blocks.first, blocks.size, strict=True)])
     expected = np.sort(cloth.vertex_particle[~cloth.vertex_on_contour])
     np.testing.assert_array_equal(np.sort(held[held != NO_PARTICLE]), expected)

@@ -15,109 +15,111 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
-from garmentcad.arrays import CHUNKS, chunk_range, indices, kernel, parallel_kernel
+from garmentcad.arrays import floats, indices, kernel, parallel_kernel
 from garmentcad.cloth.cloth import WARP, WEFT, BendLines
 from garmentcad.fabric.material import MaterialTable
-from garmentcad.forces.angle import angle_over_sine
 from garmentcad.forces.force import NO_PARTICLE, OneLaw
 from garmentcad.forces.rows import LatticeSlots
-from garmentcad.forces.smooth import arctan_over
+from garmentcad.forces.smooth import angle_over_sine
 
 SHORTEST = 1e-2  # arms shorter than this part of their rest length lose their force, so that it stays finite where an arm vanishes
-TINY = 1e-100  # m2
 LEAST_SINE = 1e-9  # floor of sin(t): an arm folded flat onto the other has no plane to open in, and gets no force
+PART = 128  # lines that are computed together
 
 
 class BendElements(NamedTuple):
     points: np.ndarray  # (B,5) int32: centre, arm a (two particles), arm b (two particles)
     weights: np.ndarray  # (B,2) weight of the second particle of arm a, arm b
-    least_squares: np.ndarray  # (B,2) m2, squared arm lengths below which force fades out
+    shortest: np.ndarray  # (2,B) m, length of arm a, arm b below which force fades out
     stiffness: np.ndarray  # (B,) B w/l, N.m
 
 
 @kernel
-def _bend_of(items, lines, positions, out):  # type: ignore[no-untyped-def]
-    x = positions
-    for i in range(items[0], items[1]):
-        o, a, b = lines.points[i, 0], lines.points[i, 1], lines.points[i, 3]
-        weight_a, weight_b = lines.weights[i, 0], lines.weights[i, 1]
-        ax, ay, az = x[o, 0] - x[a, 0], x[o, 1] - x[a, 1], x[o, 2] - x[a, 2]
-        bx, by, bz = x[b, 0] - x[o, 0], x[b, 1] - x[o, 1], x[b, 2] - x[o, 2]
-        if weight_a > 0.0:
-            c = lines.points[i, 2]
-            ax, ay, az = ax + weight_a * (x[a, 0] - x[c, 0]), ay + weight_a * (x[a, 1] - x[c, 1]), az + weight_a * (x[a, 2] - x[c, 2])
-        if weight_b > 0.0:
-            c = lines.points[i, 4]
-            bx, by, bz = bx + weight_b * (x[c, 0] - x[b, 0]), by + weight_b * (x[c, 1] - x[b, 1]), bz + weight_b * (x[c, 2] - x[b, 2])
-        aa = max(ax * ax + ay * ay + az * az, TINY)
-        bb = max(bx * bx + by * by + bz * bz, TINY)
-        dot = ax * bx + ay * by + az * bz
-        nx, ny, nz = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
-        cross2 = nx * nx + ny * ny + nz * nz
-        scale = lines.stiffness[i] * angle_over_sine(cross2, dot, LEAST_SINE * math.sqrt(aa * bb))
-        if aa < lines.least_squares[i, 0] or bb < lines.least_squares[i, 1]:
-            scale *= min(aa / lines.least_squares[i, 0], 1.0) * min(bb / lines.least_squares[i, 1], 1.0)
-        # dt/dd1 = (d1 (d1.d2)/|d1|^2 - d2)/|d1 x d2|, and alike for d2
-        inverse = dot / (aa * bb)
-        along_a, along_b = inverse * bb, inverse * aa
-        ax, ay, az, bx, by, bz = (
-            scale * (along_a * ax - bx), scale * (along_a * ay - by), scale * (along_a * az - bz),
-            scale * (along_b * bx - ax), scale * (along_b * by - ay), scale * (along_b * bz - az),
-        )  # fmt: skip
-        k = 5 * i
-        out[k, 0], out[k, 1], out[k, 2] = bx - ax, by - ay, bz - az
-        if weight_a > 0.0:
-            out[k + 2, 0], out[k + 2, 1], out[k + 2, 2] = weight_a * ax, weight_a * ay, weight_a * az
-        if weight_b > 0.0:
-            out[k + 4, 0], out[k + 4, 1], out[k + 4, 2] = -weight_b * bx, -weight_b * by, -weight_b * bz
-        weight_a, weight_b = 1.0 - weight_a, 1.0 - weight_b
-        out[k + 1, 0], out[k + 1, 1], out[k + 1, 2] = weight_a * ax, weight_a * ay, weight_a * az
-        out[k + 3, 0], out[k + 3, 1], out[k + 3, 2] = -weight_b * bx, -weight_b * by, -weight_b * bz
-
-
-@parallel_kernel
-def write_bend(lines, positions, out):  # type: ignore[no-untyped-def]
-    """Forces on centre, arm a (two), arm b (two) of line i into out[5 i] to out[5 i + 4]; the second particle of an arm only where it has weight."""
-    for chunk in prange(CHUNKS):
-        _bend_of(chunk_range(chunk, len(lines.stiffness)), lines, positions, out)
+def opening(ax, ay, az, bx, by, bz):  # type: ignore[no-untyped-def]
+    """Cosine of the angle t between two unit vectors and t/sin(t), without branches. From half the angle, whose cosine is |a + b|/2 without cancellation."""
+    x, y, z = ax + bx, ay + by, az + bz
+    half = math.sqrt(max(0.25 * (x * x + y * y + z * z), 0.25 * LEAST_SINE * LEAST_SINE))
+    return ax * bx + ay * by + az * bz, angle_over_sine(half) * (1.0 / half)  # the division need not wait
 
 
 @kernel
-def bend_row(span, stiffness, least_square, motion, out):  # type: ignore[no-untyped-def]
-    """Lines whose arms are the lattice neighbours of their centres; span: first centre, slots to its neighbour, number of lines.
+def bend_row(span, stiffness, lines, pull, turn):  # type: ignore[no-untyped-def]
+    """Lines whose arms are the lattice links before and behind their centres; span: first centre, slots to its neighbour, number of lines.
 
-    stiffness (S,): B w/l; least_square: m2, squared arm length below which force fades out.
-
-    out (6,S): force on arm a, and minus the force on arm b. |t| = 8 atan of the tangent of an eighth of it, so that nothing is divided by its sine.
+    stiffness (L,): B w/l from the first centre on; lines (4,R): what `stretch_row` wrote. The force on the first end of the link behind each centre is added
+    to pull (3+,R), that on the first end of the link before it goes into turn (3,R), both at the centre.
     """
     first, step, count = span
-    a, b, fading = first - step, first + step, 1.0 / least_square
-    xo, yo, zo, xa, ya, za = motion[0, first:], motion[1, first:], motion[2, first:], motion[0, a:], motion[1, a:], motion[2, a:]
-    xb, yb, zb, k = motion[0, b:], motion[1, b:], motion[2, b:], stiffness[first:]
-    fax, fay, faz, fbx, fby, fbz = out[0, first:], out[1, first:], out[2, first:], out[3, first:], out[4, first:], out[5, first:]
+    before = first - step
+    axs, ays, azs, inverse_a = lines[0, before:], lines[1, before:], lines[2, before:], lines[3, before:]
+    bxs, bys, bzs, inverse_b = lines[0, first:], lines[1, first:], lines[2, first:], lines[3, first:]
+    pull_x, pull_y, pull_z = pull[0, first:], pull[1, first:], pull[2, first:]
+    turn_x, turn_y, turn_z = turn[0, first:], turn[1, first:], turn[2, first:]
     for i in range(np.uint64(count)):
-        ax, ay, az = xo[i] - xa[i], yo[i] - ya[i], zo[i] - za[i]
-        bx, by, bz = xb[i] - xo[i], yb[i] - yo[i], zb[i] - zo[i]
-        aa, bb = max(ax * ax + ay * ay + az * az, TINY), max(bx * bx + by * by + bz * bz, TINY)
-        dot = ax * bx + ay * by + az * bz
-        length = math.sqrt(aa * bb)
-        # squared tangents of a half, a quarter, an eighth of t
-        nx, ny, nz = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
-        cross2 = nx * nx + ny * ny + nz * nz
-        # |d1||d2| + d1.d2, where an arm is folded back without cancellation
-        opened = max(length + dot if dot > 0.0 else cross2 / (length - dot), LEAST_SINE * LEAST_SINE * length)
-        inverse = 1.0 / opened
-        half = cross2 * inverse * inverse
-        inverse2 = 1.0 / (1.0 + math.sqrt(1.0 + half))
-        quarter = half * inverse2 * inverse2
-        inverse4 = 1.0 / (1.0 + math.sqrt(1.0 + quarter))
-        over_sine = 8.0 * arctan_over(quarter * inverse4 * inverse4) * inverse * inverse2 * inverse4
-        over_squares = 1.0 / (aa * bb)
-        scale = k[i] * min(over_sine, math.pi / LEAST_SINE * length * over_squares)
-        scale *= min(aa * fading, 1.0) * min(bb * fading, 1.0)
-        along_a, along_b = dot * bb * over_squares, dot * aa * over_squares
-        fax[i], fay[i], faz[i] = scale * (along_a * ax - bx), scale * (along_a * ay - by), scale * (along_a * az - bz)
-        fbx[i], fby[i], fbz[i] = scale * (along_b * bx - ax), scale * (along_b * by - ay), scale * (along_b * bz - az)
+        ax, ay, az, bx, by, bz = axs[i], ays[i], azs[i], bxs[i], bys[i], bzs[i]
+        cosine, over_sine = opening(ax, ay, az, bx, by, bz)
+        # the squares are 1 but for links that are too short
+        scale = stiffness[i] * over_sine * ((ax * ax + ay * ay + az * az) * (bx * bx + by * by + bz * bz))
+        on_a, on_b = scale * inverse_a[i], scale * inverse_b[i]
+        pull_x[i] += on_b * (cosine * bx - ax)
+        pull_y[i] += on_b * (cosine * by - ay)
+        pull_z[i] += on_b * (cosine * bz - az)
+        turn_x[i], turn_y[i], turn_z[i] = on_a * (cosine * ax - bx), on_a * (cosine * ay - by), on_a * (cosine * az - bz)
+
+
+@kernel
+def _load_arms(span, lines, positions, arms):  # type: ignore[no-untyped-def]
+    """Arms a and b (6,PART) of the lines in span: first, number."""
+    first, count = span
+    x = positions
+    for i in range(count):
+        k = first + i
+        o, a, c, b, d = lines.points[k, 0], lines.points[k, 1], lines.points[k, 2], lines.points[k, 3], lines.points[k, 4]
+        weight_a, weight_b = lines.weights[k, 0], lines.weights[k, 1]
+        for axis in range(3):
+            arms[axis, i] = x[o, axis] - x[a, axis] + weight_a * (x[a, axis] - x[c, axis])
+            arms[3 + axis, i] = x[b, axis] - x[o, axis] + weight_b * (x[d, axis] - x[b, axis])
+
+
+@kernel
+def _turn_arms(count, shortest_a, shortest_b, stiffness, arms):  # type: ignore[no-untyped-def]
+    """In place of the arms (6,PART): the force on the end of arm a, and minus the force on the end of arm b."""
+    axs, ays, azs, bxs, bys, bzs = arms[0], arms[1], arms[2], arms[3], arms[4], arms[5]
+    for i in range(np.uint64(count)):
+        ax, ay, az, bx, by, bz = axs[i], ays[i], azs[i], bxs[i], bys[i], bzs[i]
+        inverse_a = 1.0 / max(math.sqrt(ax * ax + ay * ay + az * az), shortest_a[i])
+        inverse_b = 1.0 / max(math.sqrt(bx * bx + by * by + bz * bz), shortest_b[i])
+        ax, ay, az, bx, by, bz = ax * inverse_a, ay * inverse_a, az * inverse_a, bx * inverse_b, by * inverse_b, bz * inverse_b
+        cosine, over_sine = opening(ax, ay, az, bx, by, bz)
+        # the squares are 1 but for arms that are too short
+        scale = stiffness[i] * over_sine * ((ax * ax + ay * ay + az * az) * (bx * bx + by * by + bz * bz))
+        on_a, on_b = scale * inverse_a, scale * inverse_b
+        axs[i], ays[i], azs[i] = on_a * (cosine * ax - bx), on_a * (cosine * ay - by), on_a * (cosine * az - bz)
+        bxs[i], bys[i], bzs[i] = on_b * (cosine * bx - ax), on_b * (cosine * by - ay), on_b * (cosine * bz - az)
+
+
+@kernel
+def _bend_part(part, lines, positions, out):  # type: ignore[no-untyped-def]
+    first = part * PART
+    count = min(len(lines.stiffness) - first, PART)
+    arms = np.empty((6, PART))
+    _load_arms((first, count), lines, positions, arms)
+    _turn_arms(count, lines.shortest[0, first:], lines.shortest[1, first:], lines.stiffness[first:], arms)
+    for i in range(count):
+        weight_a, weight_b = lines.weights[first + i, 0], lines.weights[first + i, 1]
+        k = 5 * (first + i)
+        for axis in range(3):
+            a, b = arms[axis, i], arms[3 + axis, i]
+            out[k, axis] = b - a
+            out[k + 1, axis], out[k + 2, axis] = a - weight_a * a, weight_a * a
+            out[k + 3, axis], out[k + 4, axis] = weight_b * b - b, -weight_b * b
+
+
+@parallel_kernel
+def write_bend(lines, positions, velocities, out):  # type: ignore[no-untyped-def]
+    """Forces on centre, arm a (two), arm b (two) of line i into out[5 i] to out[5 i + 4]."""
+    for part in prange(-(-len(lines.stiffness) // PART)):
+        _bend_part(part, lines, positions, out)
 
 
 class ForceBend(OneLaw):
@@ -130,7 +132,8 @@ class ForceBend(OneLaw):
         weights = np.column_stack([lines.weight_a, lines.weight_b]).astype(np.float64)
         self._rest = np.column_stack([lines.length_a, lines.length_b])
         stiffness = materials.bending[lines.material, lines.direction] * lines.width / self._rest.mean(axis=1)
-        self._lines = BendElements(indices(points), weights, (SHORTEST * self._rest) ** 2, stiffness)
+        self._lines = BendElements(indices(points), weights, floats(SHORTEST * self._rest.T), stiffness)
+        self.arguments = (self._lines,)
         corners = points.copy()
         corners[:, 2::2][weights == 0.0] = NO_PARTICLE
         self.corners = indices(corners).ravel()
@@ -142,7 +145,7 @@ class ForceBend(OneLaw):
         return weft, warp
 
     def write_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray) -> None:
-        write_bend(self._lines, positions, out)
+        write_bend(*self.arguments, positions, velocities, out)
 
     def _angle_and_arms(self, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         center, a0, a1, b0, b1 = (positions[self._lines.points[:, k]] for k in range(5))

@@ -12,121 +12,160 @@ Source: patch averaging after nodally averaged triangles (Bonet and Burton 1998)
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import prange
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-from garmentcad.arrays import CHUNKS, chunk_range, indices, kernel, parallel_kernel
-from garmentcad.cloth.cloth import WARP, WEFT, Cloth
+from garmentcad.arrays import floats, indices, kernel, parallel_kernel, rows_by_key
+from garmentcad.cloth.cloth import WARP, WEFT, BorderTriangles, Cloth
 from garmentcad.fabric.law_shear import shear
-from garmentcad.fabric.law_tension import tension
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.force import OneLaw
-from garmentcad.forces.shear import angle_and_lengths, shear_angle
+from garmentcad.forces.shear import SHORTEST, angle_and_lengths, shear_angle
+from garmentcad.forces.stretch import COEFFICIENTS, tension_coefficients, tension_force
 from garmentcad.forces.tension_curves import tension_at, tension_curves
 
+PART = 128  # triangles that are computed together
 
-class BorderElements(NamedTuple):
-    corners: np.ndarray  # (T,3) int32
+
+class BorderParts(NamedTuple):
+    """The triangles in parts of PART that lie together. A part is computed by itself: it holds its own triangles and then those that share a patch with them,
+    whose strains are computed here too, and its own copies of the patches. L triangles, K patches over all parts."""
+
+    first: np.ndarray  # (N+1,) int32 of the L triangles of each part
+    first_patch: np.ndarray  # (N+1,) int32 of the K patches of each part
+    corners: np.ndarray  # (3,L) int32
+    gradients: np.ndarray  # (4,L) 1/m of corners 1 and 2, warp and then weft; corner 0 has minus their sum
     area: np.ndarray  # (T,) m2
-    warp_gradient: np.ndarray  # (T,3) 1/m
-    weft_gradient: np.ndarray  # (T,3) 1/m
     stiffness: np.ndarray  # (T,) G, N/m per rad
-    patch: np.ndarray  # (T,3) int32
-    patch_start: np.ndarray  # (K+1,) int32
-    patch_triangle: np.ndarray  # (3T,) int32
-    patch_area: np.ndarray  # (K,) m2, sum of the triangles' areas
-    patch_curve: np.ndarray  # (K,2) int32 rows of the tension curves, warp and weft
+    patch: np.ndarray  # (3,T) int32 in the part
+    entry_first: np.ndarray  # (K+1,) int32 of the entries of each patch
+    entry_triangle: np.ndarray  # (E,) int32 in the part
+    entry_weight: np.ndarray  # (E,) area over the patch's area
+    tension: np.ndarray  # (6,K) coefficients of `tension_force`, warp and then weft
 
 
 @kernel
-def _strains_of(items, border, positions, velocities, strains):  # type: ignore[no-untyped-def]
+def _load_edges(span, corners, positions, velocities, edges):  # type: ignore[no-untyped-def]
+    """Edges from corner 0 to 1 and to 2, and their velocities, into edges (12+,L); span: first triangle, number."""
+    first, count = span
     x, v = positions, velocities
-    for i in range(items[0], items[1]):
-        for axis in range(2):
-            gradient = border.warp_gradient if axis == 0 else border.weft_gradient
-            ux = uy = uz = rx = ry = rz = 0.0
-            for k in range(3):
-                g, c = gradient[i, k], border.corners[i, k]
-                ux, uy, uz = ux + g * x[c, 0], uy + g * x[c, 1], uz + g * x[c, 2]
-                rx, ry, rz = rx + g * v[c, 0], ry + g * v[c, 1], rz + g * v[c, 2]
-            length = math.sqrt(ux * ux + uy * uy + uz * uz)
-            strains[i, axis] = length - 1.0
-            strains[i, 2 + axis] = (ux * rx + uy * ry + uz * rz) / length if length > 0.0 else 0.0
+    for i in range(count):
+        a, b, c = corners[0, first + i], corners[1, first + i], corners[2, first + i]
+        for axis in range(3):
+            edges[axis, i], edges[3 + axis, i] = x[b, axis] - x[a, axis], x[c, axis] - x[a, axis]
+            edges[6 + axis, i], edges[9 + axis, i] = v[b, axis] - v[a, axis], v[c, axis] - v[a, axis]
 
 
 @kernel
-def _stresses_of(items, border, curves, damping_time, strains, stresses):  # type: ignore[no-untyped-def]
-    for p in range(items[0], items[1]):
-        for axis in range(2):
-            strain = rate = 0.0
-            for j in range(border.patch_start[p], border.patch_start[p + 1]):
-                t = border.patch_triangle[j]
-                strain += border.area[t] * strains[t, axis]
-                rate += border.area[t] * strains[t, 2 + axis]
-            r = border.patch_curve[p, axis]
-            force = tension(strain / border.patch_area[p], curves.em[r], curves.fm[r], curves.exponent[r], curves.slope[r])[0]
-            stresses[p, axis] = force + damping_time * curves.slope[r] * rate / border.patch_area[p]
+def _strain_row(count, along_b, along_c, edges, directions, strains):  # type: ignore[no-untyped-def]
+    """Warp or weft of a row of triangles: u/|u| into directions (3+,L), |u| - 1 and its rate into strains (2+,L)."""
+    bx, by, bz, cx, cy, cz = edges[0], edges[1], edges[2], edges[3], edges[4], edges[5]
+    bu, bv, bw, cu, cv, cw = edges[6], edges[7], edges[8], edges[9], edges[10], edges[11]
+    ex, ey, ez, strain, rate = directions[0], directions[1], directions[2], strains[0], strains[1]
+    for i in range(np.uint64(count)):
+        g, h = along_b[i], along_c[i]
+        x, y, z = g * bx[i] + h * cx[i], g * by[i] + h * cy[i], g * bz[i] + h * cz[i]
+        length = math.sqrt(x * x + y * y + z * z)
+        inverse = 1.0 / max(length, SHORTEST)
+        x, y, z = x * inverse, y * inverse, z * inverse
+        ex[i], ey[i], ez[i], strain[i] = x, y, z, length - 1.0
+        rate[i] = x * (g * bu[i] + h * cu[i]) + y * (g * bv[i] + h * cv[i]) + z * (g * bw[i] + h * cw[i])
 
 
 @kernel
-def _border_of(items, border, damping_time, positions, velocities, stresses, out):  # type: ignore[no-untyped-def]
-    x, v = positions, velocities
-    for i in range(items[0], items[1]):
-        ux = uy = uz = wx = wy = wz = 0.0
-        for k in range(3):
-            g, h, c = border.warp_gradient[i, k], border.weft_gradient[i, k], border.corners[i, k]
-            ux, uy, uz = ux + g * x[c, 0], uy + g * x[c, 1], uz + g * x[c, 2]
-            wx, wy, wz = wx + h * x[c, 0], wy + h * x[c, 1], wz + h * x[c, 2]
-        gamma, gux, guy, guz, gwx, gwy, gwz = shear_angle(ux, uy, uz, wx, wy, wz)
-        rate = 0.0
-        for k in range(3):
-            g, h, c = border.warp_gradient[i, k], border.weft_gradient[i, k], border.corners[i, k]
-            rate += (g * gux + h * gwx) * v[c, 0] + (g * guy + h * gwy) * v[c, 1] + (g * guz + h * gwz) * v[c, 2]
-        stress, tangent = shear(gamma, border.stiffness[i])
-        shear_force = stress + damping_time * tangent * rate
-        p, q, r = border.patch[i, 0], border.patch[i, 1], border.patch[i, 2]
-        # |u| = 0 has no direction; its force is then zero because u is
-        length = math.sqrt(ux * ux + uy * uy + uz * uz)
-        warp = (stresses[p, 0] + stresses[q, 0] + stresses[r, 0]) / (3.0 * length if length > 0.0 else 1.0)
-        length = math.sqrt(wx * wx + wy * wy + wz * wz)
-        weft = (stresses[p, 1] + stresses[q, 1] + stresses[r, 1]) / (3.0 * length if length > 0.0 else 1.0)
-        ux, uy, uz = warp * ux + shear_force * gux, warp * uy + shear_force * guy, warp * uz + shear_force * guz
-        wx, wy, wz = weft * wx + shear_force * gwx, weft * wy + shear_force * gwy, weft * wz + shear_force * gwz
-        for k in range(3):
-            g, h = -border.area[i] * border.warp_gradient[i, k], -border.area[i] * border.weft_gradient[i, k]
-            out[3 * i + k, 0], out[3 * i + k, 1], out[3 * i + k, 2] = g * ux + h * wx, g * uy + h * wy, g * uz + h * wz
-
-
-@parallel_kernel
-def _write_strains(border, positions, velocities, strains):  # type: ignore[no-untyped-def]
-    for chunk in prange(CHUNKS):
-        _strains_of(chunk_range(chunk, len(border.area)), border, positions, velocities, strains)
-
-
-@parallel_kernel
-def _write_stresses(border, curves, damping_time, strains, stresses):  # type: ignore[no-untyped-def]
-    for chunk in prange(CHUNKS):
-        _stresses_of(chunk_range(chunk, len(border.patch_area)), border, curves, damping_time, strains, stresses)
-
-
-@parallel_kernel
-def _write_corners(border, damping_time, positions, velocities, stresses, out):  # type: ignore[no-untyped-def]
-    for chunk in prange(CHUNKS):
-        _border_of(chunk_range(chunk, len(border.area)), border, damping_time, positions, velocities, stresses, out)
+def _mean_strains(span, parts, strains, means):  # type: ignore[no-untyped-def]
+    """Area means over patches of strains (4,L) into means (4,K); span: first patch, number."""
+    first, count = span
+    for p in range(count):
+        warp = warp_rate = weft = weft_rate = 0.0
+        for j in range(parts.entry_first[first + p], parts.entry_first[first + p + 1]):
+            t, weight = parts.entry_triangle[j], parts.entry_weight[j]
+            warp += weight * strains[0, t]
+            warp_rate += weight * strains[1, t]
+            weft += weight * strains[2, t]
+            weft_rate += weight * strains[3, t]
+        means[0, p], means[1, p], means[2, p], means[3, p] = warp, warp_rate, weft, weft_rate
 
 
 @kernel
-def write_border(border, curves, damping_time, positions, velocities, strains, stresses, out):  # type: ignore[no-untyped-def]
-    """Forces on the corners of triangle i into out[3 i] to out[3 i + 2]. Three passes: triangle strains, patch stresses, triangle forces.
+def _stress_row(count, damping_time, rate, amplitude, em, strain, speed):  # type: ignore[no-untyped-def]
+    """Tension [N/m] of patches, in place of their strains."""
+    for p in range(np.uint64(count)):
+        strain[p] = tension_force(strain[p], damping_time * speed[p], rate[p], amplitude[p], em[p])
 
-    strains (T,4): warp and weft strain of each triangle, then their rates; stresses (K,2): warp and weft of each patch. Both are scratch, and arguments of
-    their own because numba drops writes into the arrays of a NamedTuple from a parallel kernel.
-    """
-    _write_strains(border, positions, velocities, strains)
-    _write_stresses(border, curves, damping_time, strains, stresses)
-    _write_corners(border, damping_time, positions, velocities, stresses, out)
+
+@kernel
+def _mean_stresses(span, patch, means, stresses):  # type: ignore[no-untyped-def]
+    """Warp and weft stress of triangles from their three patches; span: first triangle, number."""
+    first, count = span
+    for i in range(count):
+        p, q, r = patch[0, first + i], patch[1, first + i], patch[2, first + i]
+        stresses[0, i] = (1.0 / 3.0) * (means[0, p] + means[0, q] + means[0, r])
+        stresses[1, i] = (1.0 / 3.0) * (means[2, p] + means[2, q] + means[2, r])
+
+
+@kernel
+def _force_row(span, damping_time, parts, first, edges, directions, stresses):  # type: ignore[no-untyped-def]
+    """Forces on corners 1 and 2 of triangles, in place of their edges; span: first of the L triangles, number; first: of the T triangles."""
+    begin, count = span
+    warp_b, warp_c, weft_b, weft_c = parts.gradients[0, begin:], parts.gradients[1, begin:], parts.gradients[2, begin:], parts.gradients[3, begin:]
+    area, stiffness = parts.area[first:], parts.stiffness[first:]
+    bx, by, bz, cx, cy, cz = edges[0], edges[1], edges[2], edges[3], edges[4], edges[5]
+    bu, bv, bw, cu, cv, cw = edges[6], edges[7], edges[8], edges[9], edges[10], edges[11]
+    dx, dy, dz, ex, ey, ez = directions[0], directions[1], directions[2], directions[3], directions[4], directions[5]
+    warp, weft = stresses[0], stresses[1]
+    for i in range(np.uint64(count)):
+        g, h, k, m = warp_b[i], warp_c[i], weft_b[i], weft_c[i]
+        ux, uy, uz = g * bx[i] + h * cx[i], g * by[i] + h * cy[i], g * bz[i] + h * cz[i]
+        wx, wy, wz = k * bx[i] + m * cx[i], k * by[i] + m * cy[i], k * bz[i] + m * cz[i]
+        gamma, gux, guy, guz, gwx, gwy, gwz, _ = shear_angle(ux, uy, uz, wx, wy, wz)
+        rate = gux * (g * bu[i] + h * cu[i]) + guy * (g * bv[i] + h * cv[i]) + guz * (g * bw[i] + h * cw[i])
+        rate += gwx * (k * bu[i] + m * cu[i]) + gwy * (k * bv[i] + m * cv[i]) + gwz * (k * bw[i] + m * cw[i])
+        stress, tangent = shear(gamma, stiffness[i])
+        shearing = -area[i] * (stress + damping_time * tangent * rate)
+        along_warp, along_weft = -area[i] * warp[i], -area[i] * weft[i]
+        ux, uy, uz = along_warp * dx[i] + shearing * gux, along_warp * dy[i] + shearing * guy, along_warp * dz[i] + shearing * guz
+        wx, wy, wz = along_weft * ex[i] + shearing * gwx, along_weft * ey[i] + shearing * gwy, along_weft * ez[i] + shearing * gwz
+        bx[i], by[i], bz[i] = g * ux + k * wx, g * uy + k * wy, g * uz + k * wz
+        cx[i], cy[i], cz[i] = h * ux + m * wx, h * uy + m * wy, h * uz + m * wz
+
+
+@kernel
+def _border_part(part, parts, damping_time, positions, velocities, out):  # type: ignore[no-untyped-def]
+    begin, end = np.int64(parts.first[part]), np.int64(parts.first[part + 1])
+    begin_patch, end_patch = np.int64(parts.first_patch[part]), np.int64(parts.first_patch[part + 1])
+    first = part * PART
+    own = min(len(parts.area) - first, PART)
+    count, patches = end - begin, end_patch - begin_patch
+    edges, directions, strains, means, stresses = np.empty((12, count)), np.empty((6, count)), np.empty((4, count)), np.empty((4, patches)), np.empty((2, own))
+    _load_edges((begin, count), parts.corners, positions, velocities, edges)
+    for axis in range(2):
+        _strain_row(
+            count, parts.gradients[2 * axis, begin:], parts.gradients[2 * axis + 1, begin:], edges, directions[3 * axis :], strains[2 * axis :]
+        )  # fmt: skip
+    _mean_strains((begin_patch, patches), parts, strains, means)
+    for axis in range(2):
+        curve = COEFFICIENTS * axis
+        rate, amplitude, em = parts.tension[curve, begin_patch:], parts.tension[curve + 1, begin_patch:], parts.tension[curve + 2, begin_patch:]
+        _stress_row(patches, damping_time, rate, amplitude, em, means[2 * axis], means[2 * axis + 1])
+    _mean_stresses((first, own), parts.patch, means, stresses)
+    _force_row((begin, own), damping_time, parts, first, edges, directions, stresses)
+    for i in range(own):
+        k = 3 * (first + i)
+        for axis in range(3):
+            b, c = edges[axis, i], edges[3 + axis, i]
+            out[k, axis], out[k + 1, axis], out[k + 2, axis] = -(b + c), b, c
+
+
+@parallel_kernel
+def write_border(parts, damping_time, positions, velocities, out):  # type: ignore[no-untyped-def]
+    """Forces on the corners of triangle i into out[3 i] to out[3 i + 2]."""
+    for part in prange(len(parts.first) - 1):
+        _border_part(part, parts, damping_time, positions, velocities, out)
 
 
 class ForceBorder(OneLaw):
@@ -135,29 +174,25 @@ class ForceBorder(OneLaw):
     name = "border"
 
     def __init__(self, cloth: Cloth, materials: MaterialTable, damping_time: float = 0.0) -> None:
-        border = cloth.border
+        self._border = border = _in_order(cloth.border)
         sizes = np.diff(border.patch_start)
-        of_entry = np.repeat(np.arange(len(sizes)), sizes)
-        self._border = BorderElements(
-            np.array(border.corners),
-            np.array(border.area),
-            np.array(border.warp_gradient),
-            np.array(border.weft_gradient),
-            np.array(materials.shear[border.material]),
-            np.array(border.patch),
-            np.array(border.patch_start),
-            np.array(border.patch_triangle),
-            np.bincount(of_entry, weights=border.area[border.patch_triangle], minlength=len(sizes)),
-            indices(2 * border.patch_material[:, None] + np.array([WARP, WEFT])),
-        )
-        self._of_entry = of_entry
+        self._of_entry = np.repeat(np.arange(len(sizes)), sizes)
+        self._patch_area = np.bincount(self._of_entry, weights=border.area[border.patch_triangle], minlength=len(sizes))
+        self._patch_curve = indices(2 * border.patch_material[:, None] + np.array([WARP, WEFT]))
+        self._stiffness = np.array(materials.shear[border.material])
         self._curves = tension_curves(materials)
-        self._strains, self._stresses = np.zeros((len(border.area), 4)), np.zeros((len(sizes), 2))
+        tension = np.concatenate([tension_coefficients(self._curves, self._patch_curve[:, axis]) for axis in (WARP, WEFT)])
+        self._parts = _parts(border, self._stiffness, self._patch_area, tension)
         self.damping_time = damping_time
         self.corners = indices(border.corners).ravel()
 
+    @property
+    def arguments(self) -> tuple[Any, ...]:
+        """What `write_border` takes before positions, velocities and out."""
+        return self._parts, self.damping_time
+
     def write_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray) -> None:
-        write_border(self._border, self._curves, self.damping_time, positions, velocities, self._strains, self._stresses, out)
+        write_border(*self.arguments, positions, velocities, out)
 
     def _vectors(self, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         corners = positions[self._border.corners]
@@ -165,17 +200,16 @@ class ForceBorder(OneLaw):
 
     def _patch_mean(self, values: np.ndarray) -> np.ndarray:
         """Area mean (K,) over each patch of one value per triangle (T,)."""
-        border = self._border
-        entries = (border.area * values)[border.patch_triangle]
-        return np.bincount(self._of_entry, weights=entries, minlength=len(border.patch_area)) / border.patch_area
+        entries = (self._border.area * values)[self._border.patch_triangle]
+        return np.bincount(self._of_entry, weights=entries, minlength=len(self._patch_area)) / self._patch_area
 
     def energy(self, positions: np.ndarray) -> float:
         warp, weft = self._vectors(positions)
         gamma, _, _ = angle_and_lengths(warp, weft)
-        total = float(np.sum(0.5 * self._border.stiffness * gamma * gamma * self._border.area))
+        total = float(np.sum(0.5 * self._stiffness * gamma * gamma * self._border.area))
         for axis, vector in enumerate((warp, weft)):
-            energy, _, _ = tension_at(self._curves, self._border.patch_curve[:, axis], self._patch_mean(np.linalg.norm(vector, axis=1) - 1.0))
-            total += float(np.sum(energy * self._border.patch_area)) / 3.0
+            energy, _, _ = tension_at(self._curves, self._patch_curve[:, axis], self._patch_mean(np.linalg.norm(vector, axis=1) - 1.0))
+            total += float(np.sum(energy * self._patch_area)) / 3.0
         return total
 
     def write_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
@@ -191,11 +225,56 @@ class ForceBorder(OneLaw):
         border = self._border
         gamma, warp_length, weft_length = angle_and_lengths(warp, weft)
         gradient = np.abs(border.warp_gradient) / warp_length[:, None] + np.abs(border.weft_gradient) / weft_length[:, None]
-        bound = (border.stiffness * border.area * (1.0 + np.abs(gamma)))[:, None] * gradient * gradient.sum(axis=1, keepdims=True)
+        bound = (self._stiffness * border.area * (1.0 + np.abs(gamma)))[:, None] * gradient * gradient.sum(axis=1, keepdims=True)
         for axis, vector, length, parts in ((WARP, warp, warp_length, border.warp_gradient), (WEFT, weft, weft_length, border.weft_gradient)):
             reach = np.abs(parts).sum(axis=1)
-            _, force, tangent = tension_at(self._curves, border.patch_curve[:, axis], self._patch_mean(np.linalg.norm(vector, axis=1) - 1.0))
+            _, force, tangent = tension_at(self._curves, self._patch_curve[:, axis], self._patch_mean(np.linalg.norm(vector, axis=1) - 1.0))
             along = (tangent * self._patch_mean(reach))[border.patch].mean(axis=1)
             across = np.maximum(force, 0.0)[border.patch].mean(axis=1) * reach / length
             bound += (border.area * (along + across))[:, None] * np.abs(parts)
         out[:] = bound.ravel()
+
+
+def _in_order(border: BorderTriangles) -> BorderTriangles:
+    """The same triangles, those that share patches near to each other."""
+    count = len(border.area)
+    entries = np.ones(3 * count), (np.repeat(np.arange(count), 3), border.patch.ravel())
+    of_patch = csr_array(entries, shape=(count, len(border.patch_material)))
+    order = reverse_cuthill_mckee((of_patch @ of_patch.T).tocsr(), symmetric_mode=True) if count else np.empty(0, dtype=np.int64)
+    patch = border.patch[order]
+    starts, rows = rows_by_key(patch.ravel(), len(border.patch_material))
+    fields = {name: getattr(border, name)[order] for name in ("corners", "area", "warp_gradient", "weft_gradient", "material")}
+    return border._replace(patch=patch, patch_start=starts, patch_triangle=indices(rows // 3), **fields)
+
+
+def _parts(border: BorderTriangles, stiffness: np.ndarray, patch_area: np.ndarray, tension: np.ndarray) -> BorderParts:
+    triangles, patches, own_patches, entry_counts, entries, weights = [], [], [], [], [], []
+    none = np.empty(0, dtype=np.int64)
+    for first in range(0, len(border.area), PART):
+        own = np.arange(first, min(first + PART, len(border.area)))
+        mine, local = np.unique(border.patch[own], return_inverse=True)
+        own_patches.append(local.reshape(-1, 3))
+        rows = [border.patch_triangle[border.patch_start[p] : border.patch_start[p + 1]] for p in mine]
+        held = np.concatenate(rows)
+        together = np.concatenate([own, np.setdiff1d(held, own)])
+        place = np.argsort(together)
+        triangles.append(together)
+        patches.append(mine)
+        entry_counts += [len(row) for row in rows]
+        entries.append(place[np.searchsorted(together[place], held)])
+        weights.append(border.area[held] / np.repeat(patch_area[mine], [len(row) for row in rows]))
+    every, every_patch = np.concatenate([none, *triangles]), np.concatenate([none, *patches])
+    gradients = [border.warp_gradient[every, 1], border.warp_gradient[every, 2], border.weft_gradient[every, 1], border.weft_gradient[every, 2]]
+    return BorderParts(
+        indices(np.cumsum([0, *(len(part) for part in triangles)])),
+        indices(np.cumsum([0, *(len(part) for part in patches)])),
+        indices(border.corners[every].T),
+        floats(np.stack(gradients)),
+        np.array(border.area),
+        stiffness,
+        indices(np.concatenate([np.empty((0, 3), dtype=np.int64), *own_patches]).T),
+        indices(np.cumsum([0, *entry_counts])),
+        indices(np.concatenate([none, *entries])),
+        floats(np.concatenate([none, *weights])),
+        floats(tension[:, every_patch]),
+    )

@@ -16,11 +16,14 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
-from garmentcad.arrays import CHUNKS, chunk_range, indices, kernel, parallel_kernel
+from garmentcad.arrays import indices, kernel, parallel_kernel
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.fabric.material import MaterialTable, bending_along
 from garmentcad.forces.force import OneLaw
+from garmentcad.forces.smooth import angle_over_sine
 
+PART = 128  # hinges that are computed together
+LEAST_LENGTH = 1e-15  # m, floor of an edge's length in divisions
 LEAST_AREA2 = 1e-30  # m4, floor of squared normals: a wing on the sew line has no plane, and gets no force
 
 
@@ -31,43 +34,62 @@ class HingeElements(NamedTuple):
 
 
 @kernel
-def _hinge_of(items, hinges, positions, out):  # type: ignore[no-untyped-def]
+def _load_wings(span, corners, positions, wings):  # type: ignore[no-untyped-def]
+    """From the edge's start to its end, to wing a and to wing b, into wings (9,PART); span: first hinge, number."""
+    first, count = span
     x = positions
-    for i in range(items[0], items[1]):
-        s, e, a, b = hinges.corners[i, 0], hinges.corners[i, 1], hinges.corners[i, 2], hinges.corners[i, 3]
-        ex, ey, ez = x[e, 0] - x[s, 0], x[e, 1] - x[s, 1], x[e, 2] - x[s, 2]
-        ax, ay, az = x[a, 0] - x[s, 0], x[a, 1] - x[s, 1], x[a, 2] - x[s, 2]
-        bx, by, bz = x[b, 0] - x[s, 0], x[b, 1] - x[s, 1], x[b, 2] - x[s, 2]
+    for i in range(count):
+        s, e, a, b = corners[first + i, 0], corners[first + i, 1], corners[first + i, 2], corners[first + i, 3]
+        for axis in range(3):
+            wings[axis, i], wings[3 + axis, i], wings[6 + axis, i] = x[e, axis] - x[s, axis], x[a, axis] - x[s, axis], x[b, axis] - x[s, axis]
+
+
+@kernel
+def _fold(count, stiffness, rest_angle, wings):  # type: ignore[no-untyped-def]
+    """In place of wings (9,PART): the forces on edge end, wing a and wing b."""
+    exs, eys, ezs, axs, ays, azs, bxs, bys, bzs = wings[0], wings[1], wings[2], wings[3], wings[4], wings[5], wings[6], wings[7], wings[8]
+    for i in range(np.uint64(count)):
+        ex, ey, ez, ax, ay, az, bx, by, bz = exs[i], eys[i], ezs[i], axs[i], ays[i], azs[i], bxs[i], bys[i], bzs[i]
         # normals to the right side: e x a and b x e
         mx, my, mz = ey * az - ez * ay, ez * ax - ex * az, ex * ay - ey * ax
         nx, ny, nz = by * ez - bz * ey, bz * ex - bx * ez, bx * ey - by * ex
         length = math.sqrt(ex * ex + ey * ey + ez * ez)
-        mm = max(mx * mx + my * my + mz * mz, LEAST_AREA2)
-        nn = max(nx * nx + ny * ny + nz * nz, LEAST_AREA2)
-        # (n x m).e = length^2 (b.m), because m is normal to e and n = b x e
-        angle = math.atan2(length * (bx * mx + by * my + bz * mz), mx * nx + my * ny + mz * nz)
-        scale = -hinges.stiffness[i] * (angle - hinges.rest_angle[i])
-        inverse = 1.0 / length if length > 0.0 else 0.0
+        inverse = 1.0 / max(length, LEAST_LENGTH)
+        inverse_m = 1.0 / math.sqrt(max(mx * mx + my * my + mz * mz, LEAST_AREA2))
+        inverse_n = 1.0 / math.sqrt(max(nx * nx + ny * ny + nz * nz, LEAST_AREA2))
+        mx, my, mz, nx, ny, nz = inverse_m * mx, inverse_m * my, inverse_m * mz, inverse_n * nx, inverse_n * ny, inverse_n * nz
+        # |m + n| = 2 cos(theta/2), |m - n| = 2 |sin(theta/2)|: neither is lost where the other is 1; n x m points along the edge, by the sign of theta
+        x, y, z, u, v, w = mx + nx, my + ny, mz + nz, mx - nx, my - ny, mz - nz
+        cosine, sine = 0.5 * math.sqrt(x * x + y * y + z * z), 0.5 * math.sqrt(u * u + v * v + w * w)
+        angle = math.copysign(2.0 * sine * angle_over_sine(cosine), bx * mx + by * my + bz * mz)
+        scale = -stiffness[i] * (angle - rest_angle[i])
+        on_a, on_b = scale * inverse_m, scale * inverse_n
         fraction_a = (ax * ex + ay * ey + az * ez) * inverse
         fraction_b = (bx * ex + by * ey + bz * ez) * inverse
-        mx, my, mz = scale / mm * mx, scale / mm * my, scale / mm * mz
-        nx, ny, nz = scale / nn * nx, scale / nn * ny, scale / nn * nz
-        k = 4 * i
-        rest_a, rest_b = fraction_a - length, fraction_b - length
-        out[k, 0], out[k, 1], out[k, 2] = rest_a * mx + rest_b * nx, rest_a * my + rest_b * ny, rest_a * mz + rest_b * nz
-        k += 1
-        out[k, 0], out[k, 1], out[k, 2] = -fraction_a * mx - fraction_b * nx, -fraction_a * my - fraction_b * ny, -fraction_a * mz - fraction_b * nz
-        k += 1
-        out[k, 0], out[k, 1], out[k, 2] = length * mx, length * my, length * mz
-        k += 1
-        out[k, 0], out[k, 1], out[k, 2] = length * nx, length * ny, length * nz
+        mx, my, mz, nx, ny, nz = on_a * mx, on_a * my, on_a * mz, on_b * nx, on_b * ny, on_b * nz
+        exs[i], eys[i], ezs[i] = -fraction_a * mx - fraction_b * nx, -fraction_a * my - fraction_b * ny, -fraction_a * mz - fraction_b * nz
+        axs[i], ays[i], azs[i], bxs[i], bys[i], bzs[i] = length * mx, length * my, length * mz, length * nx, length * ny, length * nz
+
+
+@kernel
+def _hinge_part(part, hinges, positions, out):  # type: ignore[no-untyped-def]
+    first = part * PART
+    count = min(len(hinges.stiffness) - first, PART)
+    wings = np.empty((9, PART))
+    _load_wings((first, count), hinges.corners, positions, wings)
+    _fold(count, hinges.stiffness[first:], hinges.rest_angle[first:], wings)
+    for i in range(count):
+        k = 4 * (first + i)
+        for axis in range(3):
+            end, a, b = wings[axis, i], wings[3 + axis, i], wings[6 + axis, i]
+            out[k, axis], out[k + 1, axis], out[k + 2, axis], out[k + 3, axis] = -(end + (a + b)), end, a, b
 
 
 @parallel_kernel
-def write_hinge(hinges, positions, out):  # type: ignore[no-untyped-def]
+def write_hinge(hinges, positions, velocities, out):  # type: ignore[no-untyped-def]
     """Forces on edge start, edge end, wing a, wing b of hinge i into out[4 i] to out[4 i + 3]."""
-    for chunk in prange(CHUNKS):
-        _hinge_of(chunk_range(chunk, len(hinges.stiffness)), hinges, positions, out)
+    for part in prange(-(-len(hinges.stiffness) // PART)):
+        _hinge_part(part, hinges, positions, out)
 
 
 class ForceHinge(OneLaw):
@@ -79,10 +101,11 @@ class ForceHinge(OneLaw):
         hinges = cloth.hinges
         across = bending_along(materials, hinges.material, hinges.across_warp)
         self._hinges = HingeElements(np.array(hinges.corners), hinges.factor * across.mean(axis=1) * hinges.length2_over_area, np.array(hinges.rest_angle))
+        self.arguments = (self._hinges,)
         self.corners = indices(hinges.corners).ravel()
 
     def write_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray) -> None:
-        write_hinge(self._hinges, positions, out)
+        write_hinge(*self.arguments, positions, velocities, out)
 
     def _geometry(self, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """theta (H,) and bounds of |dtheta/dx| at edge start, edge end, wing a, wing b (H,4)."""

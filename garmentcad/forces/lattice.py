@@ -1,125 +1,115 @@
-"""All forces inside the lattice of a cloth: stretch, shear, twist and bending, row by row (see rows.py). The equations stand with each law."""
+"""All forces inside the lattice of a cloth: stretch, shear, twist and bending, block by block (see rows.py). The equations stand with each law."""
 
 from __future__ import annotations
 
+from typing import Any
+
+import numba
 import numpy as np
 from numba import prange
 
 from garmentcad.arrays import CHUNKS, chunk_range, indices, kernel, parallel_kernel
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.fabric.material import MaterialTable
-from garmentcad.forces.bend import SHORTEST, ForceBend, bend_row
+from garmentcad.forces.bend import ForceBend, bend_row
+from garmentcad.forces.cell import cell_row
 from garmentcad.forces.force import NO_PARTICLE
-from garmentcad.forces.rows import PIECE, LatticeSlots
-from garmentcad.forces.shear import LawShear, shear_row
+from garmentcad.forces.rows import LANES, LatticeSlots, aligned_zeros
+from garmentcad.forces.shear import LawShear
 from garmentcad.forces.stretch import COEFFICIENTS, LawStretch, stretch_row
-from garmentcad.forces.twist import LEAST_NORMAL, LawTwist, twist_row
+from garmentcad.forces.twist import LawTwist
 
-# Where the elements' forces lie in the scratch array (27,S).
-_WEFT, _WARP, _CELL, _BEND_WEFT, _BEND_WARP, _ALL = 0, 3, 6, 15, 21, 27
-# Where their coefficients lie (14,S): of weft and warp links, shear G A [J], twist 4 D66 A/h^4 [N/m], weft and warp lines B w/l [N.m].
+# Where the coefficients of the elements lie (10,S): of weft and warp links, shear G A [J], twist 4 D66 A/h^4 [N/m], weft and warp lines B w/l [N.m].
 _C_WEFT, _C_WARP, _C_SHEAR = 0, COEFFICIENTS, 2 * COEFFICIENTS
 _C_TWIST, _C_BEND_WEFT, _C_BEND_WARP = _C_SHEAR + 1, _C_SHEAR + 2, _C_SHEAR + 3
+# Where the fields of a block lie in its room (34,R): places and velocities; directions of links, weft or warp; pull and turn of the weft; of the warp; cells.
+_MOTION, _LINES, _WEFT, _WARP, _CELL, _ALL = 0, 6, 10, 16, 22, 34
 
 
 @kernel
-def _load(chunk, pieces, positions, velocities, motion):  # type: ignore[no-untyped-def]
-    first, last = chunk_range(chunk, len(pieces.particle))
-    for slot in range(first, last):
-        p = pieces.particle[slot]
+def _load(span, particle, positions, velocities, motion):  # type: ignore[no-untyped-def]
+    """Places and velocities of the slots into motion (6,R), 0 where a slot is empty; span: first slot, number of slots."""
+    first, count = span
+    x, y, z, u, v, w = motion[0], motion[1], motion[2], motion[3], motion[4], motion[5]
+    for i in range(count):
+        p = particle[first + i]
         if p >= 0:
-            for axis in range(3):
-                motion[axis, slot], motion[3 + axis, slot] = positions[p, axis], velocities[p, axis]
+            x[i], y[i], z[i], u[i], v[i], w[i] = positions[p, 0], positions[p, 1], positions[p, 2], velocities[p, 0], velocities[p, 1], velocities[p, 2]
+        else:
+            x[i] = y[i] = z[i] = u[i] = v[i] = w[i] = 0.0
 
 
 @kernel
-def _subtract(fields, span, out):  # type: ignore[no-untyped-def]
-    """out (3,C) = fields (3,S) from the second slot on minus those from the first slot on; span: first, second, count."""
-    first, second, count = span
+def _sum(span, room, total):  # type: ignore[no-untyped-def]
+    """Total of each slot into total (3+,R); span: first slot in the room, slots to the warp neighbour, number of slots."""
+    first, up, count = span
     for axis in range(3):
-        a, b, difference = fields[axis, first:], fields[axis, second:], out[axis]
+        weft, weft_before = room[_WEFT + axis, first:], room[_WEFT + axis, first - 1 :]
+        turn, turn_behind = room[_WEFT + 3 + axis, first:], room[_WEFT + 3 + axis, first + 1 :]
+        warp, warp_before = room[_WARP + axis, first:], room[_WARP + axis, first - up :]
+        warp_turn, warp_turn_behind = room[_WARP + 3 + axis, first:], room[_WARP + 3 + axis, first + up :]
+        # cells in which the slot is corner 00, 10, 11, 01
+        c00, c10 = room[_CELL + axis, first:], room[_CELL + 3 + axis, first - 1 :]
+        c11, c01 = room[_CELL + 6 + axis, first - up - 1 :], room[_CELL + 9 + axis, first - up :]
+        into = total[axis, first:]
         for i in range(np.uint64(count)):
-            difference[i] = b[i] - a[i]
+            along_weft = (weft[i] - weft_before[i]) + (turn_behind[i] - turn[i])
+            along_warp = (warp[i] - warp_before[i]) + (warp_turn_behind[i] - warp_turn[i])
+            into[i] = (along_weft + along_warp) + ((c00[i] + c10[i]) + (c11[i] + c01[i]))
 
 
 @kernel
-def _cells(span, coefficients, setting, motion, room, out):  # type: ignore[no-untyped-def]
-    """Shear and twist of the cells whose corners 00 are in the piece; span: first slot, columns, number of slots; room: (12,C), (3,C) and (9,C)."""
-    first, columns, count = span
-    h, damping_time = setting
-    diagonals, crossing, forces = room
-    positions, velocities = motion[:3], motion[3:]
-    for k, fields in enumerate((positions, velocities)):
-        _subtract(fields, (first, first + columns + 1, count), diagonals[6 * k : 6 * k + 3])
-        _subtract(fields, (first + 1, first + columns, count), diagonals[6 * k + 3 : 6 * k + 6])
-    for axis in range(3):
-        a, b, c, d = positions[axis, first:], positions[axis, first + 1 :], positions[axis, first + columns + 1 :], positions[axis, first + columns :]
-        into = crossing[axis]
-        for i in range(np.uint64(count)):
-            into[i] = (a[i] - b[i]) + (c[i] - d[i])
-    shear_row(count, coefficients[_C_SHEAR, first:], 0.5 / h, damping_time, diagonals, forces[3:])
-    twist_row(count, coefficients[_C_TWIST, first:], LEAST_NORMAL * 2.0 * h * h, diagonals, crossing, forces)
-    for k in range(9):
-        into, source = out[k, first:], forces[k]
-        for i in range(np.uint64(count)):
-            into[i] = source[i]
+def _store(first, count, total, out):  # type: ignore[no-untyped-def]
+    """Total (3+,R) of the slots from `first` in the room on into out (3 count,): one row of memory, for wide instructions."""
+    x, y, z = total[0, first:], total[1, first:], total[2, first:]
+    for i in range(np.uint64(count)):
+        k = np.uint64(3) * i
+        out[k], out[k + np.uint64(1)], out[k + np.uint64(2)] = x[i], y[i], z[i]
 
 
 @kernel
-def _elements_of(chunk, pieces, coefficients, setting, motion, scratch):  # type: ignore[no-untyped-def]
-    h, damping_time = setting
-    least_square = (SHORTEST * h) ** 2
-    room = (np.empty((12, PIECE)), np.empty((3, PIECE)), np.empty((9, PIECE)))
+def _block(k, blocks, coefficients, setting, positions, velocities, room, out):  # type: ignore[no-untyped-def]
+    first, size, up = np.int64(blocks.first[k]), np.int64(blocks.size[k]), np.int64(blocks.columns[k])
     beside = np.int64(1)  # a literal would make the row kernels compile for a type of its own
-    begin, end = chunk_range(chunk, len(pieces.first))
-    for k in range(begin, end):
-        first, count, columns = np.int64(pieces.first[k]), np.int64(pieces.size[k]), np.int64(pieces.columns[k])
-        stretch_row((first, beside, count), coefficients[_C_WEFT:_C_WARP], 1.0 / h, damping_time, motion, scratch[_WEFT:_WARP])
-        stretch_row((first, columns, count), coefficients[_C_WARP:_C_SHEAR], 1.0 / h, damping_time, motion, scratch[_WARP:_CELL])
-        _cells((first, columns, count), coefficients, setting, motion, room, scratch[_CELL:_BEND_WEFT])
-        bend_row((first, beside, count), coefficients[_C_BEND_WEFT], least_square, motion, scratch[_BEND_WEFT:_BEND_WARP])
-        bend_row((first, columns, count), coefficients[_C_BEND_WARP], least_square, motion, scratch[_BEND_WARP:_ALL])
+    h, damping_time = setting
+    # slots from here on lie in the room: the lines of the rows below and above need a row more at either end
+    origin = (first - 2 * up - LANES) // LANES * LANES
+    motion, lines, weft, warp = room[_MOTION:_LINES], room[_LINES:_WEFT], room[_WEFT:_WARP], room[_WARP:_CELL]
+    _load((origin, first + size + 2 * up + 1 - origin), blocks.particle, positions, velocities, motion)
+    # from the last multiple of LANES before the first element that is needed to the first one behind the last
+    begin = (first - 2) // LANES * LANES
+    count = (first + size + LANES - begin) // LANES * LANES
+    stretch_row((begin - origin, beside, count), origin, coefficients[_C_WEFT:_C_WARP], h, damping_time, motion, lines, weft)
+    begin = (first - 1) // LANES * LANES
+    count = (first + size + LANES - begin) // LANES * LANES
+    bend_row((begin - origin, beside, count), coefficients[_C_BEND_WEFT, begin:], lines, weft, weft[3:])
+    begin = (first - 2 * up) // LANES * LANES
+    count = (first + size + up - 1 + LANES - begin) // LANES * LANES
+    stretch_row((begin - origin, up, count), origin, coefficients[_C_WARP:_C_SHEAR], h, damping_time, motion, lines, warp)
+    begin = (first - up) // LANES * LANES
+    count = (first + size + up - 1 + LANES - begin) // LANES * LANES
+    bend_row((begin - origin, up, count), coefficients[_C_BEND_WARP, begin:], lines, warp, warp[3:])
+    begin = (first - up - 1) // LANES * LANES
+    count = (first + size - 1 + LANES - begin) // LANES * LANES
+    cell_row((begin - origin, up, count), coefficients[_C_SHEAR, begin:], coefficients[_C_TWIST, begin:], h, damping_time, motion, room[_CELL:_ALL])
+    begin = first // LANES * LANES
+    count = (first + size - 1 + LANES - begin) // LANES * LANES
+    _sum((begin - origin, up, count), room, motion)
+    _store(first - origin, size, motion, out.reshape(-1)[3 * first :])
 
 
 @kernel
-def _sums_of(chunk, pieces, scratch, out):  # type: ignore[no-untyped-def]
-    total = np.empty((3, PIECE))
-    begin, end = chunk_range(chunk, len(pieces.first))
+def _blocks_of(chunk, blocks, coefficients, setting, positions, velocities, rooms, out):  # type: ignore[no-untyped-def]
+    begin, end = chunk_range(chunk, len(blocks.first))
     for k in range(begin, end):
-        i0, count, up = np.int64(pieces.first[k]), np.int64(pieces.size[k]), np.int64(pieces.columns[k])
-        for axis in range(3):
-            weft, weft_before = scratch[_WEFT + axis, i0:], scratch[_WEFT + axis, i0 - 1 :]
-            warp, warp_before = scratch[_WARP + axis, i0:], scratch[_WARP + axis, i0 - up :]
-            # cells in which the slot is corner 00, 10, 11, 01
-            n00, p00 = scratch[_CELL + axis, i0:], scratch[_CELL + 3 + axis, i0:]
-            n10, q10 = scratch[_CELL + axis, i0 - 1 :], scratch[_CELL + 6 + axis, i0 - 1 :]
-            n11, p11 = scratch[_CELL + axis, i0 - up - 1 :], scratch[_CELL + 3 + axis, i0 - up - 1 :]
-            n01, q01 = scratch[_CELL + axis, i0 - up :], scratch[_CELL + 6 + axis, i0 - up :]
-            a0, b0 = scratch[_BEND_WEFT + axis, i0:], scratch[_BEND_WEFT + 3 + axis, i0:]
-            a1, b1 = scratch[_BEND_WEFT + axis, i0 + 1 :], scratch[_BEND_WEFT + 3 + axis, i0 - 1 :]
-            c0, d0 = scratch[_BEND_WARP + axis, i0:], scratch[_BEND_WARP + 3 + axis, i0:]
-            c1, d1 = scratch[_BEND_WARP + axis, i0 + up :], scratch[_BEND_WARP + 3 + axis, i0 - up :]
-            into = total[axis]
-            for i in range(np.uint64(count)):
-                links = (weft[i] - weft_before[i]) + (warp[i] - warp_before[i])
-                cells = ((n00[i] + p00[i]) - (n10[i] - q10[i])) + ((n11[i] - p11[i]) - (n01[i] + q01[i]))
-                lines = ((a1[i] - b1[i]) + (b0[i] - a0[i])) + ((c1[i] - d1[i]) + (d0[i] - c0[i]))
-                into[i] = (links + cells) + lines
-        for i in range(count):
-            out[i0 + i, 0], out[i0 + i, 1], out[i0 + i, 2] = total[0, i], total[1, i], total[2, i]
+        _block(k, blocks, coefficients, setting, positions, velocities, rooms[numba.get_thread_id()], out)
 
 
 @parallel_kernel
-def write_lattice(pieces, coefficients, setting, positions, velocities, room, out):  # type: ignore[no-untyped-def]
-    """Force on the particle of each slot into out (S,3); setting: h [m], damping time [s]; room: motion (6,S) and scratch (27,S), which are 0 in empty
-    slots."""
-    motion, scratch = room
+def write_lattice(blocks, coefficients, setting, rooms, positions, velocities, out):  # type: ignore[no-untyped-def]
+    """Force on the particle of each slot into out (S,3); setting: h [m], damping time [s]; rooms (threads,34,R): scratch of each thread."""
     for chunk in prange(CHUNKS):
-        _load(chunk, pieces, positions, velocities, motion)
-    for chunk in prange(CHUNKS):
-        _elements_of(chunk, pieces, coefficients, setting, motion, scratch)
-    for chunk in prange(CHUNKS):
-        _sums_of(chunk, pieces, scratch, out)
+        _blocks_of(chunk, blocks, coefficients, setting, positions, velocities, rooms, out)
 
 
 class ForceLattice:
@@ -137,8 +127,8 @@ class ForceLattice:
         stretch, shear, twist, bend = LawStretch(cloth, materials), LawShear(cloth, materials), LawTwist(cloth, materials), ForceBend(inner, materials)
         self.laws = tuple(law for law in (stretch, shear, twist, bend) if law.name in laws)
         self.damping_time = damping_time
-        self._pieces, self._spacing = slots.pieces, cloth.spacing
-        self._coefficients = np.zeros((_C_BEND_WARP + 1, slots.count))
+        self._blocks, self._spacing = slots.blocks, cloth.spacing
+        self._coefficients = aligned_zeros(_C_BEND_WARP + 1, slots.count)
         if stretch in self.laws:
             self._coefficients[_C_WEFT:_C_WARP], self._coefficients[_C_WARP:_C_SHEAR] = stretch.rows(slots)
         if shear in self.laws:
@@ -147,11 +137,16 @@ class ForceLattice:
             self._coefficients[_C_TWIST] = twist.rows(slots)
         if bend in self.laws:
             self._coefficients[_C_BEND_WEFT], self._coefficients[_C_BEND_WARP] = bend.rows(slots, inner.direction)
-        self._room = (np.zeros((6, slots.count)), np.zeros((_ALL, slots.count)))
-        self.corners = slots.pieces.particle
+        self._rooms = aligned_zeros(numba.config.NUMBA_NUM_THREADS, _ALL, slots.room)
+        self.corners = slots.blocks.particle
+
+    @property
+    def arguments(self) -> tuple[Any, ...]:
+        """What `write_lattice` takes before positions, velocities and out."""
+        return self._blocks, self._coefficients, (self._spacing, self.damping_time), self._rooms
 
     def write_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray) -> None:
-        write_lattice(self._pieces, self._coefficients, (self._spacing, self.damping_time), positions, velocities, self._room, out)
+        write_lattice(*self.arguments, positions, velocities, out)
 
     def energies(self, positions: np.ndarray) -> dict[str, float]:
         return {law.name: law.energy(positions) for law in self.laws}

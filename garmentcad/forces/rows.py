@@ -2,12 +2,15 @@
 
 Every panel's lattice fills a rectangle of slots, row after row, with one empty row below and above it. Slot i has its weft neighbour at i + 1 and its warp
 neighbour at i + columns. Every slot carries every element (weft link i to i + 1, warp link, cell to the upper right, weft and warp bend line centred at i);
-where an element does not exist, as at the end of a row, its coefficients are 0. So loops run on over row breaks. Elements are written once, then each slot
-adds up what concerns it, in one fixed order: the same bits on any number of threads.
+where an element does not exist, as at the end of a row, its coefficients are 0. So loops run on over row breaks. Blocks of rows are computed each by itself,
+elements first, then each slot adds up what concerns it, in one fixed order; elements between two blocks are computed in both. The blocks depend on the cloth
+alone: the same bits on any number of threads.
 """
 
 from __future__ import annotations
 
+import itertools
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -16,12 +19,26 @@ from garmentcad.arrays import indices
 from garmentcad.cloth.cloth import WARP, WEFT, Cloth
 from garmentcad.forces.force import NO_PARTICLE
 
-PIECE = 256  # slots: long enough that a loop's beginning and end do not count, short enough that its fields stay in the nearest cache
+BLOCK = 1536  # slots of a block, about: so many that what is computed twice at its ends does not count, so few that its fields stay in a near cache
+LANES = 8  # numbers in the widest registers: loops begin at multiples of it
 
 
-class Pieces(NamedTuple):
-    """The slots in pieces of one panel each, row breaks or not. particle: (S,) int32 of each slot, NO_PARTICLE where it is empty; first, size, columns:
-    (K,) int32 first slot and slots of each piece, and columns of its panel."""
+def padded(count: int) -> int:
+    """`count` or a little more: an odd multiple of LANES, so that rows that are read side by side do not compete for the same lines of the nearest cache."""
+    return (-(-count // LANES) | 1) * LANES
+
+
+def aligned_zeros(*shape: int) -> np.ndarray:
+    """Array of zeros each of whose rows begins at a multiple of LANES in memory; the last of `shape` must be a multiple of LANES."""
+    count = math.prod(shape)
+    memory = np.zeros(count + LANES)
+    start = -(memory.ctypes.data // memory.itemsize) % LANES
+    return memory[start : start + count].reshape(shape)
+
+
+class Blocks(NamedTuple):
+    """Blocks of whole rows of one panel each. particle: (S,) int32 of each slot, NO_PARTICLE where it is empty; first, size, columns: (K,) int32 first slot
+    and slots of each block, and columns of its panel. Two rows and a few slots more, at either end of a block, are slots too."""
 
     particle: np.ndarray
     first: np.ndarray
@@ -35,28 +52,29 @@ class LatticeSlots:
     def __init__(self, cloth: Cloth) -> None:
         inside = np.flatnonzero(cloth.vertex_place[:, 0] >= 0)
         panel, place = cloth.vertex_panel[inside], cloth.vertex_place[inside]
-        pieces: list[tuple[int, int, int]] = []
-        slot, end = np.empty(len(inside), dtype=np.int64), 1
+        table: list[tuple[int, int, int]] = []
+        slot, end = np.empty(len(inside), dtype=np.int64), 0
         for number in range(len(cloth.panel_names)):
             mine = np.flatnonzero(panel == number)
             if len(mine) == 0:
                 continue
             width, height = place[mine].max(axis=0) + 1
-            start = end + width + 1  # an empty row, and one slot that the row below may look at
+            start = max(end + width + 1, 2 * width + 2 * LANES)
             slot[mine] = start + place[mine, 1] * width + place[mine, 0]
-            stop = start + height * width
-            pieces += [(begin, min(PIECE, stop - begin), width) for begin in range(start, stop, PIECE)]
-            end = stop + width + 1
-        self.count = end + 1
+            rows = np.linspace(0, height, min(max(1, round(width * height / BLOCK)), height) + 1).astype(np.int64)
+            table += [(start + a * width, (b - a) * width, width) for a, b in itertools.pairwise(rows)]
+            end = start + height * width + width + 1
+        widest = max((width for _, _, width in table), default=0)
+        self.count = padded(end + 2 * widest + 2 * LANES)
         self.slot = np.full(cloth.particle_count, -1, dtype=np.int64)
         particle = cloth.vertex_particle[inside]
         self.slot[particle] = slot
         occupant = np.full(self.count, NO_PARTICLE)
         occupant[slot] = particle
-        table = indices(np.array(pieces, dtype=np.int64).reshape(-1, 3))
-        self.pieces = Pieces(indices(occupant), *(indices(column) for column in table.T))
+        self.blocks = Blocks(indices(occupant), *(indices(column) for column in np.array(table, dtype=np.int64).reshape(-1, 3).T))
+        self.room = padded(max((size + 4 * width for _, size, width in table), default=0) + 5 * LANES)
         self._columns = np.zeros(self.count, dtype=np.int64)
-        for begin, size, width in pieces:
+        for begin, size, width in table:
             self._columns[begin : begin + size] = width
 
     def step(self, slots: np.ndarray, direction: int) -> np.ndarray:

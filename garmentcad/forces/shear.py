@@ -16,64 +16,33 @@ import numpy as np
 from garmentcad.arrays import kernel
 from garmentcad.cloth.cloth import WARP, Cells, Cloth
 from garmentcad.fabric.material import MaterialTable
-from garmentcad.forces.angle import angle_over_sine
 from garmentcad.forces.force import OneLaw
 from garmentcad.forces.rows import LatticeSlots
-from garmentcad.forces.smooth import arctan_over
+from garmentcad.forces.smooth import angle_over_sine
 
 SHORTEST = 1e-2  # floor of |u|, |w| (1 at rest): below it a cell has collapsed and its angle means nothing
 LEAST_COSINE = 1e-6  # floor of cos(gamma) in divisions
-SMALLEST = 1e-100
 
 
 @kernel
 def shear_angle(ux, uy, uz, wx, wy, wz):  # type: ignore[no-untyped-def]
-    """gamma of warp vector u and weft vector w, dgamma/du and dgamma/dw: (gamma, ux, uy, uz, wx, wy, wz)."""
+    """gamma of warp vector u and weft vector w, dgamma/du and dgamma/dw, 1/|u x w|: (gamma, ux, uy, uz, wx, wy, wz, inverse). Without branches."""
     uu = max(ux * ux + uy * uy + uz * uz, SHORTEST * SHORTEST)
     ww = max(wx * wx + wy * wy + wz * wz, SHORTEST * SHORTEST)
     dot = ux * wx + uy * wy + uz * wz
+    square = uu * ww
     # |u x w|, the cosine of gamma times both lengths
-    cross = math.sqrt(max(uu * ww - dot * dot, LEAST_COSINE * LEAST_COSINE * uu * ww))
-    inverse = 1.0 / cross
-    shear_u, shear_w = inverse * dot / uu, inverse * dot / ww
+    cross = math.sqrt(max(square - dot * dot, LEAST_COSINE * LEAST_COSINE * square))
+    inverse, inverse_square = 1.0 / cross, 1.0 / square
+    inverse_lengths = math.sqrt(inverse_square)
+    gamma = dot * inverse_lengths * angle_over_sine(cross * inverse_lengths)
+    shear_u, shear_w = dot * ww * inverse_square, dot * uu * inverse_square
     return (
-        dot * angle_over_sine(dot * dot, cross, SMALLEST),
-        inverse * wx - shear_u * ux, inverse * wy - shear_u * uy, inverse * wz - shear_u * uz,
-        inverse * ux - shear_w * wx, inverse * uy - shear_w * wy, inverse * uz - shear_w * wz,
+        gamma,
+        inverse * (wx - shear_u * ux), inverse * (wy - shear_u * uy), inverse * (wz - shear_u * uz),
+        inverse * (ux - shear_w * wx), inverse * (uy - shear_w * wy), inverse * (uz - shear_w * wz),
+        inverse,
     )  # fmt: skip
-
-
-@kernel
-def shear_row(count, stiffness, half, damping_time, diagonals, out):  # type: ignore[no-untyped-def]
-    """Shear forces of a row of cells along their diagonals. diagonals (12,C): p, q, and their velocities; half: 1/(2 h); out (6,C): along p on corner 00
-    (minus that on 11), along q on corner 10 (minus that on 01)."""
-    px, py, pz, qx, qy, qz = diagonals[0], diagonals[1], diagonals[2], diagonals[3], diagonals[4], diagonals[5]
-    pu, pv, pw, qu, qv, qw = diagonals[6], diagonals[7], diagonals[8], diagonals[9], diagonals[10], diagonals[11]
-    fpx, fpy, fpz, fqx, fqy, fqz = out[0], out[1], out[2], out[3], out[4], out[5]
-    for i in range(np.uint64(count)):
-        # p = x11 - x00, q = x01 - x10: u = half (p + q), w = half (p - q)
-        ux, uy, uz = half * (px[i] + qx[i]), half * (py[i] + qy[i]), half * (pz[i] + qz[i])
-        wx, wy, wz = half * (px[i] - qx[i]), half * (py[i] - qy[i]), half * (pz[i] - qz[i])
-        uu = max(ux * ux + uy * uy + uz * uz, SHORTEST * SHORTEST)
-        ww = max(wx * wx + wy * wy + wz * wz, SHORTEST * SHORTEST)
-        dot = ux * wx + uy * wy + uz * wz
-        # |u x w|, the cosine of gamma times both lengths
-        cross = math.sqrt(max(uu * ww - dot * dot, LEAST_COSINE * LEAST_COSINE * uu * ww))
-        # gamma = atan2(dot, cross) = 4 atan of the tangent of a quarter of it
-        half_tangent = dot / (cross + math.sqrt(cross * cross + dot * dot))
-        tangent = half_tangent / (1.0 + math.sqrt(1.0 + half_tangent * half_tangent))
-        gamma = 4.0 * tangent * arctan_over(tangent * tangent)
-        inverse = 1.0 / cross
-        shear_u, shear_w = inverse * dot / uu, inverse * dot / ww
-        gux, guy, guz = inverse * wx - shear_u * ux, inverse * wy - shear_u * uy, inverse * wz - shear_u * uz
-        gwx, gwy, gwz = inverse * ux - shear_w * wx, inverse * uy - shear_w * wy, inverse * uz - shear_w * wz
-        # gradients on the diagonals
-        gpx, gpy, gpz = half * (gux + gwx), half * (guy + gwy), half * (guz + gwz)
-        gqx, gqy, gqz = half * (gux - gwx), half * (guy - gwy), half * (guz - gwz)
-        rate = gpx * pu[i] + gpy * pv[i] + gpz * pw[i] + gqx * qu[i] + gqy * qv[i] + gqz * qw[i]
-        scale = stiffness[i] * (gamma + damping_time * rate)
-        fpx[i], fpy[i], fpz[i] = scale * gpx, scale * gpy, scale * gpz
-        fqx[i], fqy[i], fqz[i] = scale * gqx, scale * gqy, scale * gqz
 
 
 class LawShear(OneLaw):

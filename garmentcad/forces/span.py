@@ -41,7 +41,7 @@ def _span_of(items, spans, positions, out):  # type: ignore[no-untyped-def]
 
 
 @parallel_kernel
-def write_span(spans, positions, out):  # type: ignore[no-untyped-def]
+def write_span(spans, positions, velocities, out):  # type: ignore[no-untyped-def]
     """Forces on the corners of span i into out[4 i] to out[4 i + 3]."""
     for chunk in prange(CHUNKS):
         _span_of(chunk_range(chunk, len(spans.stiffness)), spans, positions, out)
@@ -56,10 +56,11 @@ class ForceSpan(OneLaw):
         spans = cloth.spans
         stiffness = bending_along(materials, spans.material, spans.along_warp) / (8.0 * spans.length**2)
         self._spans = SpanElements(np.array(spans.corners), np.array(spans.coefficients), stiffness)
+        self.arguments = (self._spans,)
         self.corners = indices(spans.corners).ravel()
 
     def write_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray) -> None:
-        write_span(self._spans, positions, out)
+        write_span(*self.arguments, positions, velocities, out)
 
     def energy(self, positions: np.ndarray) -> float:
         left = np.einsum("ni,nik->nk", self._spans.coefficients, positions[self._spans.corners])

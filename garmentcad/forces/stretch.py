@@ -20,34 +20,56 @@ from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.force import OneLaw
 from garmentcad.forces.rows import LatticeSlots
 from garmentcad.forces.smooth import expm1_smooth
-from garmentcad.forces.tension_curves import tension_at, tension_curves
+from garmentcad.forces.tension_curves import TensionCurves, tension_at, tension_curves
 
 LEAST_EXPONENT = 1e-9  # a linear curve is one with this exponent: it differs by less than the tenth digit
-LEAST_LENGTH2 = 1e-30  # m2: a link without length has no direction, and gets no force
+SHORTEST = 1e-2  # in units of the rest length: shorter links lose their force, since one without length has no direction
 
-
-# Coefficients (5,S) of the link from each slot to its neighbour: x/em; w k em/x [N]; em; w k [N]; w (k + Fm x/em) [N], the slope beyond em.
-COEFFICIENTS = 5
+# Coefficients of a link from each slot to its neighbour: x/em; w k em/x [N]; em.
+COEFFICIENTS = 3
 
 
 @kernel
-def stretch_row(span, links, inverse_rest, damping_time, motion, out):  # type: ignore[no-untyped-def]
-    """Forces (3,S) on the first ends of links; span: first slot, slots to the neighbour, number of links; links (5,S): coefficients; motion (6,S)."""
+def tension_force(strain, damped_rate, rate, amplitude, em):  # type: ignore[no-untyped-def]
+    """T + tau k de/dt from strain, tau de/dt, x/em, k em/x and em: the curve of law_tension.py, whose tangents at 0 and at em go on outside, without branches."""
+    inside = min(max(strain, 0.0), em)
+    growth = expm1_smooth(rate * inside)
+    return amplitude * (growth + rate * ((1.0 + growth) * (strain - inside) + damped_rate))
+
+
+@kernel
+def stretch_row(span, origin, links, rest, damping_time, motion, lines, pull):  # type: ignore[no-untyped-def]
+    """Links from each slot to a neighbour; span: first slot in the room, slots to the neighbour, number of links; origin: slot at which the room begins.
+
+    links (3,S): coefficients; motion (6,R). Into lines (4,R): the direction, shortened where a link is shorter than SHORTEST, and
+    1/length; into pull (3+,R): the force on the first end.
+    """
     first, step, count = span
     second = first + step
     xa, ya, za, xb, yb, zb = motion[0, first:], motion[1, first:], motion[2, first:], motion[0, second:], motion[1, second:], motion[2, second:]
     ua, va, wa, ub, vb, wb = motion[3, first:], motion[4, first:], motion[5, first:], motion[3, second:], motion[4, second:], motion[5, second:]
-    rate, amplitude, em, repel, beyond = links[0, first:], links[1, first:], links[2, first:], links[3, first:], links[4, first:]
-    fx, fy, fz = out[0, first:], out[1, first:], out[2, first:]
+    rate, amplitude, em = links[0, origin + first :], links[1, origin + first :], links[2, origin + first :]
+    ex, ey, ez, inverses = lines[0, first:], lines[1, first:], lines[2, first:], lines[3, first:]
+    fx, fy, fz = pull[0, first:], pull[1, first:], pull[2, first:]
+    inverse_rest, shortest = 1.0 / rest, SHORTEST * rest
+    damping = damping_time * inverse_rest
     for i in range(np.uint64(count)):
         dx, dy, dz = xb[i] - xa[i], yb[i] - ya[i], zb[i] - za[i]
-        inverse = 1.0 / math.sqrt(dx * dx + dy * dy + dz * dz + LEAST_LENGTH2)
-        strain = (dx * dx + dy * dy + dz * dz) * inverse * inverse_rest - 1.0
-        speed = ((ub[i] - ua[i]) * dx + (vb[i] - va[i]) * dy + (wb[i] - wa[i]) * dz) * inverse * inverse_rest
-        inside = min(max(strain, 0.0), em[i])
-        force = amplitude[i] * expm1_smooth(rate[i] * inside) + repel[i] * (min(strain, 0.0) + damping_time * speed) + beyond[i] * max(strain - em[i], 0.0)
-        force *= inverse
+        length = math.sqrt(dx * dx + dy * dy + dz * dz)
+        inverse = 1.0 / max(length, shortest)
+        dx, dy, dz = dx * inverse, dy * inverse, dz * inverse
+        speed = (ub[i] - ua[i]) * dx + (vb[i] - va[i]) * dy + (wb[i] - wa[i]) * dz
+        force = tension_force(length * inverse_rest - 1.0, damping * speed, rate[i], amplitude[i], em[i])
+        ex[i], ey[i], ez[i], inverses[i] = dx, dy, dz, inverse
         fx[i], fy[i], fz[i] = force * dx, force * dy, force * dz
+
+
+def tension_coefficients(curves: TensionCurves, rows: np.ndarray, width: np.ndarray | float = 1.0) -> np.ndarray:
+    """What `tension_force` needs of the curves in `rows` (N,), times width [m]: (3,N)."""
+    exponent = curves.exponent[rows]
+    exponent = np.where(np.abs(exponent) < LEAST_EXPONENT, LEAST_EXPONENT, exponent)
+    rate = exponent / curves.em[rows]
+    return np.stack([rate, width * curves.slope[rows] / rate, curves.em[rows]])
 
 
 class LawStretch(OneLaw):
@@ -62,11 +84,9 @@ class LawStretch(OneLaw):
         self.corners = cloth.links.ends.ravel()
 
     def rows(self, slots: LatticeSlots) -> tuple[np.ndarray, np.ndarray]:
-        """Coefficients (5,S) of the weft links and of the warp links."""
-        links, curves = self._links, self._curves
-        exponent = curves.exponent[self._curve]
-        exponent = np.where(np.abs(exponent) < LEAST_EXPONENT, LEAST_EXPONENT, exponent)
-        em, slope, rate = curves.em[self._curve], curves.slope[self._curve], exponent / curves.em[self._curve]
+        """Coefficients (3,S) of the weft links and of the warp links."""
+        links = self._links
+        columns = tension_coefficients(self._curves, self._curve, links.width)
         found = []
         for direction in (WEFT, WARP):
             mine = np.flatnonzero(links.direction == direction)
@@ -74,11 +94,7 @@ class LawStretch(OneLaw):
             at = np.minimum(a, b)
             if not (np.maximum(a, b) - at == slots.step(at, direction)).all():
                 raise ValueError("a link does not join two neighbours of the lattice")
-            width = links.width[mine]
-            columns = (
-                rate[mine], width * slope[mine] / rate[mine], em[mine], width * slope[mine], width * (slope + rate * curves.fm[self._curve])[mine]
-            )  # fmt: skip
-            found.append(np.stack([slots.spread(at, column) for column in columns]))
+            found.append(np.stack([slots.spread(at, column[mine]) for column in columns]))
         return found[0], found[1]
 
     def _strain(self, positions: np.ndarray) -> np.ndarray:

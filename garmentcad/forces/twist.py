@@ -31,32 +31,6 @@ class TwistElements(NamedTuple):
     stiffness: np.ndarray  # (C,) 4 D66 A, N.m3
 
 
-@kernel
-def twist_row(count, stiffness, least_normal, diagonals, crossing, out):  # type: ignore[no-untyped-def]
-    """Twist forces of a row of cells. diagonals (6+,C): p, q; crossing (3,C): x00 - x10 + x11 - x01; stiffness (C,): 4 D66 A/h^4.
-
-    out (9,C): the part n along the normal, which acts on corners 00, 11 and against 10, 01; added to the next six: along p on corner 00, q on corner 10.
-    """
-    px, py, pz, qx, qy, qz = diagonals[0], diagonals[1], diagonals[2], diagonals[3], diagonals[4], diagonals[5]
-    sx, sy, sz = crossing[0], crossing[1], crossing[2]
-    fnx, fny, fnz, fpx, fpy, fpz, fqx, fqy, fqz = out[0], out[1], out[2], out[3], out[4], out[5], out[6], out[7], out[8]
-    for i in range(np.uint64(count)):
-        nx, ny, nz = py[i] * qz[i] - pz[i] * qy[i], pz[i] * qx[i] - px[i] * qz[i], px[i] * qy[i] - py[i] * qx[i]
-        inverse = 1.0 / max(math.sqrt(nx * nx + ny * ny + nz * nz), least_normal)
-        nx, ny, nz = nx * inverse, ny * inverse, nz * inverse
-        height = nx * sx[i] + ny * sy[i] + nz * sz[i]
-        scale = -stiffness[i] * height
-        # d(height)/dp = q x t, d(height)/dq = t x p with t = (s - height n)/|normal|
-        tx, ty, tz = (sx[i] - height * nx) * inverse, (sy[i] - height * ny) * inverse, (sz[i] - height * nz) * inverse
-        fnx[i], fny[i], fnz[i] = scale * nx, scale * ny, scale * nz
-        fpx[i] -= scale * (qy[i] * tz - qz[i] * ty)
-        fpy[i] -= scale * (qz[i] * tx - qx[i] * tz)
-        fpz[i] -= scale * (qx[i] * ty - qy[i] * tx)
-        fqx[i] -= scale * (ty * pz[i] - tz * py[i])
-        fqy[i] -= scale * (tz * px[i] - tx * pz[i])
-        fqz[i] -= scale * (tx * py[i] - ty * px[i])
-
-
 class LawTwist(OneLaw):
     """Twist of those cells of `cloth` whose material has D66 > 0."""
 

@@ -1,0 +1,56 @@
+"""Shear and twist of rows of lattice cells, in one pass: both need the same vectors. The equations stand in shear.py and twist.py."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from garmentcad.arrays import kernel
+from garmentcad.forces.shear import shear_angle
+from garmentcad.forces.twist import LEAST_NORMAL
+
+
+@kernel
+def cell_row(span, shear, twist, spacing, damping_time, motion, out):  # type: ignore[no-untyped-def]
+    """Cells whose corners 00 are in a row; span: first slot, slots to the corner 01, number of cells.
+
+    shear (L,): G A, J, and twist (L,): 4 D66 A/h^4, N/m, from the first slot on; motion (6,R). Forces on corners 00, 10, 11, 01 into out (12,R), at corner 00.
+    """
+    first, up, count = span
+    x00, y00, z00, u00, v00, w00 = motion[0, first:], motion[1, first:], motion[2, first:], motion[3, first:], motion[4, first:], motion[5, first:]
+    i10 = first + 1
+    x10, y10, z10, u10, v10, w10 = motion[0, i10:], motion[1, i10:], motion[2, i10:], motion[3, i10:], motion[4, i10:], motion[5, i10:]
+    i01 = first + up
+    x01, y01, z01, u01, v01, w01 = motion[0, i01:], motion[1, i01:], motion[2, i01:], motion[3, i01:], motion[4, i01:], motion[5, i01:]
+    i11 = first + up + 1
+    x11, y11, z11, u11, v11, w11 = motion[0, i11:], motion[1, i11:], motion[2, i11:], motion[3, i11:], motion[4, i11:], motion[5, i11:]
+    fx00, fy00, fz00, fx10, fy10, fz10 = out[0, first:], out[1, first:], out[2, first:], out[3, first:], out[4, first:], out[5, first:]
+    fx11, fy11, fz11, fx01, fy01, fz01 = out[6, first:], out[7, first:], out[8, first:], out[9, first:], out[10, first:], out[11, first:]
+    half = 0.5 / spacing
+    normal_unit = half / spacing
+    for i in range(np.uint64(count)):
+        px, py, pz = x11[i] - x00[i], y11[i] - y00[i], z11[i] - z00[i]
+        qx, qy, qz = x01[i] - x10[i], y01[i] - y10[i], z01[i] - z10[i]
+        ux, uy, uz, wx, wy, wz = half * (px + qx), half * (py + qy), half * (pz + qz), half * (px - qx), half * (py - qy), half * (pz - qz)
+        gamma, gux, guy, guz, gwx, gwy, gwz, inverse = shear_angle(ux, uy, uz, wx, wy, wz)
+        # gradients on the diagonals p and q
+        gpx, gpy, gpz = half * (gux + gwx), half * (guy + gwy), half * (guz + gwz)
+        gqx, gqy, gqz = half * (gux - gwx), half * (guy - gwy), half * (guz - gwz)
+        rate = gpx * (u11[i] - u00[i]) + gpy * (v11[i] - v00[i]) + gpz * (w11[i] - w00[i])
+        rate += gqx * (u01[i] - u10[i]) + gqy * (v01[i] - v10[i]) + gqz * (w01[i] - w10[i])
+        shearing = shear[i] * (gamma + damping_time * rate)
+        # |p x q| = 2 h^2 |u x w|
+        inverse = min(inverse, 1.0 / LEAST_NORMAL) * normal_unit
+        nx, ny, nz = inverse * (py * qz - pz * qy), inverse * (pz * qx - px * qz), inverse * (px * qy - py * qx)
+        sx, sy, sz = (x00[i] - x10[i]) + (x11[i] - x01[i]), (y00[i] - y10[i]) + (y11[i] - y01[i]), (z00[i] - z10[i]) + (z11[i] - z01[i])
+        height = nx * sx + ny * sy + nz * sz
+        bending = twist[i] * height
+        # d(height)/dp = q x t, d(height)/dq = t x p with t = (s - height n)/|p x q|
+        turn = bending * inverse
+        tx, ty, tz = turn * (sx - height * nx), turn * (sy - height * ny), turn * (sz - height * nz)
+        nx, ny, nz = bending * nx, bending * ny, bending * nz
+        px, py, pz, qx, qy, qz = (
+            shearing * gpx + (qy * tz - qz * ty), shearing * gpy + (qz * tx - qx * tz), shearing * gpz + (qx * ty - qy * tx),
+            shearing * gqx + (ty * pz - tz * py), shearing * gqy + (tz * px - tx * pz), shearing * gqz + (tx * py - ty * px),
+        )  # fmt: skip
+        fx00[i], fy00[i], fz00[i], fx11[i], fy11[i], fz11[i] = px - nx, py - ny, pz - nz, -px - nx, -py - ny, -pz - nz
+        fx10[i], fy10[i], fz10[i], fx01[i], fy01[i], fz01[i] = qx + nx, qy + ny, qz + nz, nx - qx, ny - qy, nz - qz
