@@ -24,29 +24,22 @@ LAWS = ("lattice", "border", "bend", "span", "hinge")
 def write_internal(laws, positions, velocities, corner_forces):  # type: ignore[no-untyped-def]
     """All corner forces. laws: see `law_arguments`."""
     first, lattice, border, bend, span, hinge = laws
-    write_lattice(lattice[0], lattice[1], lattice[2], positions, velocities, lattice[3], corner_forces[first[0] : first[1]])
+    write_lattice(lattice[0], lattice[1], lattice[2], lattice[3], positions, velocities, corner_forces[first[0] : first[1]])
     if first[2] > first[1]:
-        write_border(border[0], border[1], border[2], positions, velocities, border[3], border[4], corner_forces[first[1] : first[2]])
+        write_border(border[0], border[1], positions, velocities, corner_forces[first[1] : first[2]])
     if first[3] > first[2]:
-        write_bend(bend, positions, corner_forces[first[2] : first[3]])
+        write_bend(bend[0], positions, velocities, corner_forces[first[2] : first[3]])
     if first[4] > first[3]:
-        write_span(span, positions, corner_forces[first[3] : first[4]])
+        write_span(span[0], positions, velocities, corner_forces[first[3] : first[4]])
     if first[5] > first[4]:
-        write_hinge(hinge, positions, corner_forces[first[4] : first[5]])
+        write_hinge(hinge[0], positions, velocities, corner_forces[first[4] : first[5]])
 
 
 def law_arguments(forces: tuple[Any, ...]) -> tuple[Any, ...]:
     """Arguments of `write_internal` for the forces of `internal_forces`: where the corners of each begin, and what each compiled law needs."""
     if tuple(force.name for force in forces) != LAWS:
         raise ValueError(f"forces {[force.name for force in forces]}; the stepper knows {list(LAWS)}, in this order")
-    lattice, border, bend, span, hinge = forces
-    first = np.cumsum([0, *(len(force.corners) for force in forces)])
-    return (
-        first,
-        (lattice._pieces, lattice._coefficients, (lattice._spacing, lattice.damping_time), lattice._room),
-        (border._border, border._curves, border.damping_time, border._strains, border._stresses),
-        bend._lines, span._spans, hinge._hinges,
-    )  # fmt: skip
+    return np.cumsum([0, *(len(force.corners) for force in forces)]), *(force.arguments for force in forces)
 
 
 def internal_forces(cloth: Cloth, materials: MaterialTable, damping_ratio: float = DAMPING_RATIO) -> list[Force]:
