@@ -68,6 +68,7 @@ def run_case(job: Job, look: Callable[[Progress], None]) -> Row:
         "self_intersections": made.self_intersections,
         "mannequin_intersections": made.mannequin_intersections,
         "mean_height_mm": cloth_on_ball.mean_height_mm(outcome.state.positions) if made.garment == cloth_on_ball.NAME else None,
+        "largest_speed_m_s": made.rest["max_speed_m_s"],
         "residual_g": made.rest["residual_g_rms"],
         "status": made.status,
         "state_sha256": made.state_sha256,

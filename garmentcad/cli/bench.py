@@ -30,6 +30,7 @@ def bench(
         allow_threads(threads)
     import numba
     from numba.core import event
+    from numba.np.ufunc.parallel import get_thread_count
 
     from garmentcad import __version__
     from garmentcad.bench.cases import case_job, case_names, run_case, share_of_floor, warm_up
@@ -38,8 +39,7 @@ def bench(
     if threads is not None:
         numba.set_num_threads(threads)
     jobs = [case_job(name, grid, fabric, seed) for name in case or case_names()]
-    most = numba.get_num_threads() if threads is None else max(threads, os.cpu_count() or 1)
-    floors = {count: floor_us(count) for count in _FLOOR_THREADS if count <= most}
+    floors = {count: floor_us(count) for count in _FLOOR_THREADS if count <= get_thread_count()}
     warm_up()
     line = ProgressLine(quiet or as_json)
     rows: list[dict[str, Any]] = []
