@@ -64,25 +64,27 @@ class Recorder:
     """Clocks the work between frames and keeps the last two of them. What is done inside `frame` does not count."""
 
     def __init__(self) -> None:
-        self.wall_s, self.time_s, self.speed_m_s = 0.0, 0.0, 0.0
+        self.wall_s, self.cpu_s, self.time_s, self.speed_m_s = 0.0, 0.0, 0.0, 0.0
         self.positions: np.ndarray | None = None
-        self._since = time.perf_counter()
+        self.start()
 
     def start(self) -> None:
-        """From now on the clock runs."""
-        self._since = time.perf_counter()
+        """From now on the clocks run."""
+        self._since, self._cpu_since = time.perf_counter(), time.process_time()
 
     def frame(self, time_s: float, positions: Any) -> None:
         """Positions (P,3) m at a simulated time."""
         self.wall_s += time.perf_counter() - self._since
+        self.cpu_s += time.process_time() - self._cpu_since
         now = np.array(positions, dtype=np.float64).reshape(-1, 3)
         if self.positions is not None:
             self.speed_m_s = float(np.linalg.norm(now - self.positions, axis=1).max()) / (time_s - self.time_s)
         self.time_s, self.positions = time_s, now
-        self._since = time.perf_counter()
+        self.start()
 
     def write(self, out: Path, program: str, version: str, threads: int, settings: dict[str, Any]) -> None:
-        """The run as JSON, and its last positions as OUT.npz. largest_speed_m_s: way of the fastest particle in the last frame over its time."""
+        """The run as JSON, and its last positions as OUT.npz. cpu_s: of all threads; largest_speed_m_s: of the fastest particle, from its way in the last
+        frame."""
         assert self.positions is not None
         made = {
             "program": program,
@@ -92,6 +94,7 @@ class Recorder:
             "particles": len(self.positions),
             "simulated_s": self.time_s,
             "wall_s": self.wall_s,
+            "cpu_s": self.cpu_s,
             "largest_speed_m_s": self.speed_m_s,
         }
         out.parent.mkdir(parents=True, exist_ok=True)

@@ -96,6 +96,7 @@ _LINES = (
     ("simulated, s", "simulated_s", ".2f"),
     ("setup wall, s", "setup_wall_s", ".1f"),
     ("drape wall, s", "drape_wall_s", ".1f"),
+    ("cpu of all threads, s", "cpu_s", ".1f"),
     ("step, us", "us_per_step", ".0f"),
     ("floor over step", "floor_share", ".1%"),
     ("strain p99, %", "strain_p99_percent", ".2f"),
