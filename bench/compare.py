@@ -36,7 +36,7 @@ def our_run(grid_mm: float, threads: int) -> Run:
     command = [sys.executable, "-m", "garmentcad", "bench", "--case", NAME, "--grid", f"{grid_mm:g}", "--threads", str(threads), "--json"]
     said = json.loads(ask(command, allowed=(0, 3)))
     row = said["rows"][0]
-    names = {"program": "garmentcad", "version": said["version"], "floor": said["floor"]}
+    names = {"program": "garmentcad", "version": said["version"], "floor": said["floor"], "machine": said["machine"]}
     return row | names | {"wall_s": row["drape_wall_s"], "crossings": row["self_intersections"]}
 
 
@@ -87,13 +87,15 @@ def table(rows: Iterable[Run], our_wall_s: float) -> str:
     return "\n".join(lines) + "\n"
 
 
-def page(ours: Run, peers: list[Run], missing: dict[str, str], grid_mm: float) -> str:
-    """The text of docs/studies/bench.md."""
+def page(ours: Run, peers: list[Run], missing: dict[str, str], grid_mm: float, command: str) -> str:
+    """The text of docs/studies/bench.md. command: what made it."""
     floor = ", ".join(f"{value:.0f} us on {count} thread{'s' if count != '1' else ''}" for count, value in ours["floor"]["us_per_step"].items())
     shares = ", ".join(f"{kind} {share:.0%}" for kind, share in ours["share"].items())
     return "\n".join([
         "# Workload W1 beside other programs", "",
-        "Made by `make bench`; `docs/bench.md` says what is measured, `bench.json` has every run.", "",
+        f"Made by `{command}`; `docs/bench.md` says what is measured, `bench.json` has every run.", "",
+        f"{ours['machine']['cores']} cores, load {ours['machine']['load']:.1f} (our own included) after our first run. Wall times of a loaded machine are not "
+        "those of a free one.", "",
         f"Grid {grid_mm:g} mm, {ours['particles']} particles. garmentcad runs to rest (here: {ours['status']}); the others for their simulated seconds.", "",
         table([ours, *peers], ours["wall_s"]),
         f"garmentcad: {ours['steps']:.0f} steps of {ours['us_per_step']:.0f} us; of the drape's wall time {shares}.", "",
@@ -115,6 +117,8 @@ def main() -> None:
     parser.add_argument("--blender-python", default="python3.13", help="an interpreter of the version that Blender's module is built for")
     parser.add_argument("--newton-python", default=sys.executable)
     given = parser.parse_args()
+    chosen = [f"--{name} {value:g}" for name, value in vars(given).items() if not isinstance(value, str) and value != parser.get_default(name)]
+    command = "make bench" + (f' BENCH_OPTIONS="{" ".join(chosen)}"' if chosen else "")
 
     ours = [say(our_run(given.grid, given.threads)) for _ in range(given.ours)]
     peers: dict[str, list[Run]] = {}
@@ -129,7 +133,7 @@ def main() -> None:
             continue
         if runs:
             peers[peer.name] = runs
-    text = page(summary(ours), [summary(runs) for runs in peers.values()], missing, given.grid)
+    text = page(summary(ours), [summary(runs) for runs in peers.values()], missing, given.grid, command)
     write_atomic(RAW, json.dumps({"grid_mm": given.grid, "garmentcad": ours, **peers}, indent=1) + "\n")
     write_atomic(PAGE, text)
     print(text)
