@@ -5,24 +5,29 @@ BIN := $(VENV)/bin
 DEMO_GARMENT ?= flared-skirt
 DEMO_OPTIONS ?= --grid 15
 DEMO_FOLDER ?= out/demo
+BLENDER_PYTHON ?= python3.13
+BENCH_OPTIONS ?=
 
-.PHONY: demo test lint study clean
+.PHONY: demo test lint study bench clean
 
 demo: $(VENV)/.installed
 	@$(BIN)/garmentcad drape $(DEMO_GARMENT) -o $(DEMO_FOLDER) $(DEMO_OPTIONS)
 	@echo "installation took $$(cat $(VENV)/.installed) s when the environment was made"
 
 test: $(VENV)/.installed
-	$(BIN)/ruff check garmentcad tests tools
+	$(BIN)/ruff check garmentcad tests tools bench
 	$(BIN)/mypy garmentcad
 	$(BIN)/python -m pytest
 
 lint: $(VENV)/.installed
-	$(BIN)/ruff check garmentcad tests tools
+	$(BIN)/ruff check garmentcad tests tools bench
 	$(BIN)/mypy garmentcad
 
 study: $(VENV)/.installed
 	$(BIN)/python -m tools.study
+
+bench: $(VENV)/.installed
+	$(BIN)/python -m bench.compare --blender-python $(BLENDER_PYTHON) $(BENCH_OPTIONS)
 
 $(VENV)/.installed: pyproject.toml
 	@start=$$(date +%s); \

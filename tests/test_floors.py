@@ -17,7 +17,7 @@ FLOORS = {
     "forces": 5, "contact": 5, "constraints": 5, "placement": 5,
     "solve": 6, "analysis": 6,
     "simulation": 7, "check": 7,
-    "rigs": 8, "export": 8,
+    "rigs": 8, "export": 8, "bench": 8,
     "batch": 9, "lab": 10, "cli": 11, "__main__": 12,
 }  # fmt: skip
 FILES = sorted(path for path in ROOT.rglob("*.py") if path != ROOT / "__init__.py")

@@ -92,3 +92,11 @@ def test_ends_that_something_drives_apart_close_with_a_floor_on_their_speed(leas
         v += [[0.01, 0.0, 0.0], [-0.01, 0.0, 0.0]]
         x += dt * v
     assert float(np.linalg.norm(constraint.gaps(x))) == pytest.approx(expected, rel=0.01)
+
+
+def test_a_garment_without_seams_has_no_rows() -> None:
+    constraint = ConstraintPoints(stitch_rows(np.zeros((0, 2), dtype=np.int32), ()), np.ones(3), rate=10.0)
+    assert constraint.gaps(np.ones((3, 3))).shape == (0, 3)
+    v = np.ones((3, 3))
+    constraint.correct(v, constraint.next_speeds(np.ones((3, 3)), np.zeros((0, 3)), 1e-4), 1e-4)
+    assert np.array_equal(v, np.ones((3, 3)))

@@ -61,10 +61,12 @@ def girth_near(cloth: Cloth, positions: np.ndarray, axis: np.ndarray, height_mm:
 
 
 def garment_ease(cloth: Cloth, positions: np.ndarray, mannequin: Mannequin) -> dict[str, Ease | None]:
-    """Ease at bust, waist and hip against the mannequin's taped girths; None where the garment does not reach. positions: (P,3) m."""
-    axis = mannequin.cylinders["torso"].origin
+    """Ease at those of bust, waist and hip that the mannequin has (a ball has none); None where the garment does not reach. positions: (P,3) m."""
     found: dict[str, Ease | None] = {}
     for name in GIRTHS:
+        if name not in mannequin.measurements_mm:
+            continue
+        axis = mannequin.cylinders["torso"].origin
         girth = girth_near(cloth, positions, axis, mannequin.measurements_mm[f"{name}_height"])
         body = mannequin.measurements_mm[name]
         found[name] = None if girth is None else Ease(girth.draped_mm - body, girth.pattern_mm - body, girth.level_mm)

@@ -43,7 +43,7 @@ def drape(
     """Drape a garment on a mannequin: report, meshes and pictures in a folder. Exit code 0 where it came to rest clean, 3 where not."""
     began = time.perf_counter()
     if threads is not None:
-        _allow_threads(threads)
+        allow_threads(threads)
     import numba
     from numba.core import event
 
@@ -55,23 +55,23 @@ def drape(
     with event.install_recorder("numba:compile") as compiled:
         job = make_job(spec, fabric, mannequin, grid_mm=grid, seed=seed, mode=mode.value, max_time_s=max_time)
         folder = out if out is not None else Path("out") / job.pattern.name
-        line = _ProgressLine(quiet or as_json)
+        line = ProgressLine(quiet or as_json)
         result, written = finish(job, line.show, folder, resume)
     line.end()
     if as_json:
         print(json.dumps(result.report, allow_nan=False))
     else:
-        _print_result(result.report, written, _compile_seconds(compiled.buffer), time.perf_counter() - began)
+        _print_result(result.report, written, compile_seconds(compiled.buffer), time.perf_counter() - began)
     raise typer.Exit(0 if result.report["status"] == "converged" else 3)
 
 
-def _allow_threads(threads: int) -> None:
+def allow_threads(threads: int) -> None:
     """Numba fixes its pool when it is first imported."""
     if "numba" not in sys.modules:
         os.environ.setdefault("NUMBA_NUM_THREADS", str(max(threads, os.cpu_count() or 1)))
 
 
-def _compile_seconds(buffer: list) -> float:  # type: ignore[type-arg]
+def compile_seconds(buffer: list) -> float:  # type: ignore[type-arg]
     """Seconds during which at least one kernel was being compiled; compilations nest."""
     total, depth, since = 0.0, 0, 0.0
     for moment, entry in buffer:
@@ -101,7 +101,7 @@ def _print_result(report: dict, written: object, compile_s: float, total_s: floa
     console.print(spent, highlight=False)
 
 
-class _ProgressLine:
+class ProgressLine:
     """One line on the terminal that is written over; where the output is no terminal, a line every five seconds."""
 
     def __init__(self, silent: bool) -> None:

@@ -153,7 +153,7 @@ class ConstraintPoints:
         redundant: set[str] = set()
         order = np.argsort(label, kind="stable")
         for block in np.split(order, np.cumsum(sizes)[:-1]):
-            if len(block) == 1:
+            if len(block) <= 1:  # none: a garment without seams is one empty block
                 continue
             eigenvalues, vectors = np.linalg.eigh(matrix[block][:, block].toarray())
             sound = eigenvalues > 1e-9 * eigenvalues[-1]

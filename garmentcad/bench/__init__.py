@@ -1,0 +1,1 @@
+"""Speed: workload W1, the machine's floor, and one row of numbers a run (docs/bench.md)."""
