@@ -159,3 +159,14 @@ def rows_by_key(keys: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
     starts = np.zeros(count + 1, dtype=np.int64)
     np.cumsum(np.bincount(keys, minlength=count), out=starts[1:])
     return indices(starts), indices(items)
+
+
+def unique_pairs(pairs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The different rows (U,2) int32 of pairs (K,2) of indices, each rising in itself, in rising order; and the row (K,) of each pair.
+
+    One number stands for a pair: numpy sorts those ten times as fast as rows.
+    """
+    low, high = np.minimum(pairs[:, 0], pairs[:, 1]).astype(np.int64), np.maximum(pairs[:, 0], pairs[:, 1])
+    width = int(high.max(initial=0)) + 1
+    keys, row = np.unique(low * width + high, return_inverse=True)
+    return indices(np.column_stack([keys // width, keys % width])), row

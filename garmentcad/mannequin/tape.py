@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
+from garmentcad.arrays import unique_pairs
 from garmentcad.errors import MannequinError
 
 
@@ -33,8 +34,8 @@ def cut(points: np.ndarray, faces: np.ndarray, origin: np.ndarray, normal: np.nd
     above = height[faces] > 0.0
     crossed = np.flatnonzero(above.any(1) & ~above.all(1))
     faces, above = faces[crossed], above[crossed]
-    ends = [np.sort(faces[above[:, a] != above[:, b]][:, [a, b]], axis=1) for a, b in ((0, 1), (1, 2), (2, 0))]
-    low, high = np.unique(np.vstack(ends), axis=0).T
+    ends = [faces[above[:, a] != above[:, b]][:, [a, b]] for a, b in ((0, 1), (1, 2), (2, 0))]
+    low, high = unique_pairs(np.vstack(ends))[0].T
     share = height[low] / (height[low] - height[high])
     return Section(low, high, share, points[low] + share[:, None] * (points[high] - points[low]))
 
