@@ -71,19 +71,29 @@ def cache_folder() -> Path:
     return Path(chosen) if chosen else Path(base) / "garmentcad" / "kernels"
 
 
+@cache
+def _kernel_folder(file: Path) -> Path | None:
+    """Folder of the compiled kernels of a file as it stands, made; None where it cannot be written (a read-only home). Asked once a file: many have a dozen."""
+    name = str(file.relative_to(_PACKAGE).with_suffix("")).replace(os.sep, ".")
+    # One folder a stamp: numba would unpickle an old index before it looks at the stamp, and fail where a type in it is gone.
+    home = cache_folder() / hashlib.sha256(str(_PACKAGE).encode()).hexdigest()[:12] / name
+    folder = home / _closure_stamp(file)[:16]
+    for stale in home.glob("*") if not folder.exists() else ():
+        if stale != folder:
+            shutil.rmtree(stale, ignore_errors=True)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return None
+    return folder if os.access(folder, os.W_OK) else None
+
+
 class _ClosureLocator(caching._CacheLocator):
     """Numba cache locator for the files of this package; its stamp covers all garmentcad files that a kernel file can call."""
 
-    def __init__(self, py_func: Any, py_file: str) -> None:
-        self._file = Path(py_file).resolve()
+    def __init__(self, py_func: Any, file: Path, folder: Path) -> None:
+        self._file, self._folder = file, folder
         self._line = py_func.__code__.co_firstlineno
-        name = str(self._file.relative_to(_PACKAGE).with_suffix("")).replace(os.sep, ".")
-        # One folder a stamp: numba would unpickle an old index before it looks at the stamp, and fail where a type in it is gone.
-        home = cache_folder() / hashlib.sha256(str(_PACKAGE).encode()).hexdigest()[:12] / name
-        self._folder = home / _closure_stamp(self._file)[:16]
-        for stale in home.glob("*") if not self._folder.exists() else ():
-            if stale != self._folder:
-                shutil.rmtree(stale, ignore_errors=True)
 
     def get_cache_path(self) -> str:
         return str(self._folder)
@@ -96,14 +106,16 @@ class _ClosureLocator(caching._CacheLocator):
 
     @classmethod
     def from_function(cls, py_func: Any, py_file: str) -> _ClosureLocator | None:
-        if not Path(py_file).resolve().is_relative_to(_PACKAGE):
+        file = _resolved(py_file)
+        if not file.is_relative_to(_PACKAGE):
             return None
-        locator = cls(py_func, py_file)
-        try:
-            locator.ensure_cache_path()
-        except OSError:  # a read-only home: numba's own locators decide
-            return None
-        return locator
+        folder = _kernel_folder(file)  # None: numba's own locators decide
+        return None if folder is None else cls(py_func, file, folder)
+
+
+@cache
+def _resolved(path: str) -> Path:
+    return Path(path).resolve()
 
 
 caching.CacheImpl._locator_classes.insert(0, _ClosureLocator)
