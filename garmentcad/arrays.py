@@ -91,8 +91,9 @@ def _kernel_folder(file: Path) -> Path | None:
 class _ClosureLocator(caching._CacheLocator):
     """Numba cache locator for the files of this package; its stamp covers all garmentcad files that a kernel file can call."""
 
-    def __init__(self, py_func: Any, file: Path, folder: Path) -> None:
-        self._file, self._folder = file, folder
+    def __init__(self, py_func: Any, py_file: str) -> None:
+        self._file = _resolved(py_file)
+        self._folder = _kernel_folder(self._file)
         self._line = py_func.__code__.co_firstlineno
 
     def get_cache_path(self) -> str:
@@ -107,10 +108,9 @@ class _ClosureLocator(caching._CacheLocator):
     @classmethod
     def from_function(cls, py_func: Any, py_file: str) -> _ClosureLocator | None:
         file = _resolved(py_file)
-        if not file.is_relative_to(_PACKAGE):
-            return None
-        folder = _kernel_folder(file)  # None: numba's own locators decide
-        return None if folder is None else cls(py_func, file, folder)
+        if not file.is_relative_to(_PACKAGE) or _kernel_folder(file) is None:
+            return None  # numba's own locators decide
+        return cls(py_func, py_file)
 
 
 @cache
