@@ -71,19 +71,30 @@ def cache_folder() -> Path:
     return Path(chosen) if chosen else Path(base) / "garmentcad" / "kernels"
 
 
+@cache
+def _kernel_folder(file: Path) -> Path | None:
+    """Folder of the compiled kernels of a file as it stands, made; None where it cannot be written (a read-only home). Asked once a file: many have a dozen."""
+    name = str(file.relative_to(_PACKAGE).with_suffix("")).replace(os.sep, ".")
+    # One folder a stamp: numba would unpickle an old index before it looks at the stamp, and fail where a type in it is gone.
+    home = cache_folder() / hashlib.sha256(str(_PACKAGE).encode()).hexdigest()[:12] / name
+    folder = home / _closure_stamp(file)[:16]
+    for stale in home.glob("*") if not folder.exists() else ():
+        if stale != folder:
+            shutil.rmtree(stale, ignore_errors=True)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return None
+    return folder if os.access(folder, os.W_OK) else None
+
+
 class _ClosureLocator(caching._CacheLocator):
     """Numba cache locator for the files of this package; its stamp covers all garmentcad files that a kernel file can call."""
 
     def __init__(self, py_func: Any, py_file: str) -> None:
-        self._file = Path(py_file).resolve()
+        self._file = _resolved(py_file)
+        self._folder = _kernel_folder(self._file)
         self._line = py_func.__code__.co_firstlineno
-        name = str(self._file.relative_to(_PACKAGE).with_suffix("")).replace(os.sep, ".")
-        # One folder a stamp: numba would unpickle an old index before it looks at the stamp, and fail where a type in it is gone.
-        home = cache_folder() / hashlib.sha256(str(_PACKAGE).encode()).hexdigest()[:12] / name
-        self._folder = home / _closure_stamp(self._file)[:16]
-        for stale in home.glob("*") if not self._folder.exists() else ():
-            if stale != self._folder:
-                shutil.rmtree(stale, ignore_errors=True)
 
     def get_cache_path(self) -> str:
         return str(self._folder)
@@ -96,14 +107,15 @@ class _ClosureLocator(caching._CacheLocator):
 
     @classmethod
     def from_function(cls, py_func: Any, py_file: str) -> _ClosureLocator | None:
-        if not Path(py_file).resolve().is_relative_to(_PACKAGE):
-            return None
-        locator = cls(py_func, py_file)
-        try:
-            locator.ensure_cache_path()
-        except OSError:  # a read-only home: numba's own locators decide
-            return None
-        return locator
+        file = _resolved(py_file)
+        if not file.is_relative_to(_PACKAGE) or _kernel_folder(file) is None:
+            return None  # numba's own locators decide
+        return cls(py_func, py_file)
+
+
+@cache
+def _resolved(path: str) -> Path:
+    return Path(path).resolve()
 
 
 caching.CacheImpl._locator_classes.insert(0, _ClosureLocator)
@@ -159,3 +171,14 @@ def rows_by_key(keys: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
     starts = np.zeros(count + 1, dtype=np.int64)
     np.cumsum(np.bincount(keys, minlength=count), out=starts[1:])
     return indices(starts), indices(items)
+
+
+def unique_pairs(pairs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The different rows (U,2) int32 of pairs (K,2) of indices, each rising in itself, in rising order; and the row (K,) of each pair.
+
+    One number stands for a pair: numpy sorts those ten times as fast as rows.
+    """
+    low, high = np.minimum(pairs[:, 0], pairs[:, 1]).astype(np.int64), np.maximum(pairs[:, 0], pairs[:, 1])
+    width = int(high.max(initial=0)) + 1
+    keys, row = np.unique(low * width + high, return_inverse=True)
+    return indices(np.column_stack([keys // width, keys % width])), row

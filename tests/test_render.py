@@ -1,4 +1,4 @@
-"""Pictures: right size, garment where it should be, and the parts that need no VTK checked on their own."""
+"""Pictures: right size, garment where it should be, and the parts that need no Pillow checked on their own."""
 
 from __future__ import annotations
 
@@ -13,7 +13,9 @@ from garmentcad.errors import InputError
 from garmentcad.export.camera import frame
 from garmentcad.export.color_map import painted, round_up
 from garmentcad.export.picture import ViewMissing, render_picture
-from garmentcad.export.seam_lines import polylines, seam_and_free_edges
+from garmentcad.export.raster import NOTHING, blank, draw_lines, draw_triangles
+from garmentcad.export.seam_lines import seam_and_free_edges
+from garmentcad.export.sky_light import SkyLight
 
 
 def dress():
@@ -28,7 +30,6 @@ def warm(pixels: np.ndarray) -> np.ndarray:
 
 def test_picture_shows_the_garment_on_the_body(tmp_path: Path) -> None:
     image = pytest.importorskip("PIL.Image")
-    pytest.importorskip("pyvista")
     cloth, positions = dress()
     path = render_picture(tmp_path / "front.png", positions, cloth, cylinder_body(0.10), "front", height_px=300)
     pixels = np.asarray(image.open(path))
@@ -53,7 +54,6 @@ def test_picture_shows_the_garment_on_the_body(tmp_path: Path) -> None:
 def test_wrong_side_is_lit_from_the_same_lamp(tmp_path: Path) -> None:
     """The garment mirrored turns its wrong side out: its color is duller, and the left flank is still the bright one."""
     image = pytest.importorskip("PIL.Image")
-    pytest.importorskip("pyvista")
     cloth, positions = dress()
     inside_out = positions * [-1.0, 1.0, 1.0]
     found = [np.asarray(image.open(render_picture(tmp_path / "a.png", where, cloth, None, height_px=200))).astype(int) for where in (positions, inside_out)]
@@ -65,7 +65,6 @@ def test_wrong_side_is_lit_from_the_same_lamp(tmp_path: Path) -> None:
 
 def test_map_colors_follow_the_value(tmp_path: Path) -> None:
     image = pytest.importorskip("PIL.Image")
-    pytest.importorskip("pyvista")
     cloth, positions = dress()
     strain = np.where(positions[:, 1] > 0.9, 0.04, 0.0)
     path = render_picture(tmp_path / "map.png", positions, cloth, None, "three-quarter", "strain", strain, height_px=300)
@@ -82,18 +81,8 @@ def test_seams_and_hems_are_told_apart() -> None:
     seams, free = seam_and_free_edges(cloth)
     assert len(seams) == 2 * 20
     assert len(free) == 2 * 40
-    lines = polylines(seams)
-    assert sorted(len(line) for line in lines) == [21, 21]
-    rings = polylines(free)
-    assert sorted(len(line) for line in rings) == [41, 41]
-    assert all(line[0] == line[-1] for line in rings)
     flat_seams, flat_free = seam_and_free_edges(rectangles(3, 2, 0.01, 2, sewn=False))
     assert (len(flat_seams), len(flat_free)) == (0, 20)
-
-
-def test_lines_break_where_three_meet() -> None:
-    lines = polylines(np.array([[0, 1], [1, 2], [2, 3], [2, 4]]))
-    assert sorted(tuple(line) for line in lines) == [(0, 1, 2), (2, 3), (2, 4)]
 
 
 @pytest.mark.parametrize(("view", "axis", "sign"), [("front", 2, 1), ("back", 2, -1), ("left", 0, 1), ("right", 0, -1)])
@@ -122,7 +111,7 @@ def test_unknown_view_and_map_are_refused(tmp_path: Path) -> None:
 
 
 def test_without_the_extra_the_message_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "pyvista", None)
+    monkeypatch.setitem(sys.modules, "PIL.Image", None)
     cloth, positions = dress()
     with pytest.raises(ViewMissing, match=r"pip install garmentcad\[view\]"):
         render_picture(tmp_path / "a.png", positions, cloth, None)
@@ -134,3 +123,27 @@ def test_legend_ends_at_round_numbers() -> None:
     found = painted("strain", np.array([0.0, 0.01, 0.018]))
     assert (found.low, found.high) == (0.0, 2.0)
     assert found.colors()[0] == pytest.approx(found.kind.colors[0])
+
+
+def test_the_nearer_triangle_owns_a_pixel() -> None:
+    nearness, owner = blank(4, 6)
+    points = np.array([[0.0, 0.0, 1.0], [6.0, 0.0, 1.0], [0.0, 4.0, 1.0], [0.0, 0.0, 2.0], [3.0, 0.0, 2.0], [0.0, 4.0, 0.0]])
+    triangles = np.array([[0, 1, 2], [3, 4, 5]], dtype=np.int32)
+    draw_triangles(points, triangles, 7, nearness, owner)
+    assert owner[0].tolist() == [8, 8, 8, 7, 7, NOTHING]  # the second is nearer here
+    assert owner[2, 0] == 7  # and farther here
+    assert owner[3, 1:].tolist() == [NOTHING] * 5
+    assert nearness[0, 4] == 1.0
+    draw_lines(points, np.array([[1, 2]], dtype=np.int32), 0.6, 0.01, 9, nearness, owner)
+    assert owner[0, 5] == 9  # a rod is as thick as it is drawn
+    assert (owner[0, :3] == 8).all()
+
+
+def test_a_roof_holds_off_the_sky_above() -> None:
+    """A point under the middle of a wide roof gets light only from below; one on top of it gets all of it."""
+    roof = np.array([[-1.0, 1.0, -1.0], [-1.0, 1.0, 1.0], [1.0, 1.0, 1.0], [1.0, 1.0, -1.0]])
+    triangles = np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int32)
+    light = SkyLight(roof, triangles).on(np.array([[0.0, 0.9, 0.0], [0.0, 1.0, 0.0]]), np.tile([0.0, 1.0, 0.0], (2, 1)))
+    seen = light.seen(np.array([[0, 0, 0], [1, 1, 1]]), np.array([0.0, 0.0, 1.0]))
+    assert seen[1] == 1.0
+    assert seen[0] < 0.05

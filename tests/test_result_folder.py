@@ -33,7 +33,7 @@ def no_view(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_round_trip_with_pictures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip("pyvista")
+    pytest.importorskip("PIL.Image")
     monkeypatch.setattr(picture, "OVERSAMPLING", 1)  # a quarter of the pixels
     given = result()
     written = write_result_folder(tmp_path / "out", given, {"spec": "x"})

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import pyvista as pv
+from PIL import Image
 from trimesh.creation import icosphere
 
 from garmentcad.cloth.lattice import rectangle_cloth
@@ -72,16 +72,12 @@ def swatch(kind: str, fabric: str) -> Path:
 
 def side_by_side(pictures: list[Path], out: Path, height: int) -> None:
     """One row of pictures of equal height."""
-    images = []
-    for picture in pictures:
-        image = np.asarray(pv.read(picture).active_scalars).reshape(*reversed(pv.read(picture).dimensions[:2]), -1)[::-1, :, :3]
-        step = image.shape[0] / height
-        rows = (np.arange(height) * step).astype(int)
-        images.append(image[rows][:, (np.arange(int(image.shape[1] / step)) * step).astype(int)])
-    row = np.concatenate(images, axis=1)
-    grid = pv.ImageData(dimensions=(row.shape[1], row.shape[0], 1))
-    grid.point_data["rgb"] = row[::-1].reshape(-1, 3)
-    grid.save(out)
+    images = [Image.open(picture).convert("RGB") for picture in pictures]
+    images = [image.resize((round(image.width * height / image.height), height), Image.Resampling.LANCZOS) for image in images]
+    row = Image.new("RGB", (sum(image.width for image in images), height))
+    for k, image in enumerate(images):
+        row.paste(image, (sum(before.width for before in images[:k]), 0))
+    row.save(out)
 
 
 if __name__ == "__main__":

@@ -18,6 +18,7 @@ from garmentcad.geometry.closest import cross, dot, minus, row
 _NO, _DOUBT, _YES = 0, 1, 2  # the greatest of the verdicts on its edges is that on a pair
 _DET_ERROR = 1e-14  # of the sum of the absolute terms of a 3 x 3 determinant of differences (a dozen roundings of 1.1e-16 each)
 _AXIS_ERROR = 1e-14  # of length times length, for the projection of a difference on an axis
+_USUAL_PAIRS = 16  # of overlapping boxes, for each triangle: room for these is there from the start
 Point = tuple[Fraction, Fraction, Fraction]
 
 
@@ -43,9 +44,12 @@ def _crossing(positions: np.ndarray, triangles: np.ndarray, first: int) -> np.nd
     # Sweep along the widest axis: boxes in rising order of their low sides.
     axis = int(np.argmax(boxes[:, 3:].max(axis=0) - boxes[:, :3].min(axis=0)))
     order = indices(np.argsort(boxes[:, axis], kind="stable"))
-    count = _sweep(order, boxes, axis, first, np.zeros((0, 2), dtype=np.int32))
-    near = np.empty((count, 2), dtype=np.int32)
-    _sweep(order, boxes, axis, first, near)
+    near = np.empty((_USUAL_PAIRS * len(order), 2), dtype=np.int32)
+    count = _sweep(order, boxes, axis, first, near)
+    if count > len(near):
+        near = np.empty((count, 2), dtype=np.int32)
+        _sweep(order, boxes, axis, first, near)
+    near = near[:count]
     verdict = np.empty(count, dtype=np.int8)
     _judge(near, positions, triangles, verdict)
     for pair in np.flatnonzero(verdict == _DOUBT):

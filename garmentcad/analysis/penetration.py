@@ -11,7 +11,8 @@ from scipy.spatial import cKDTree
 from garmentcad.arrays import floats, indices, kernel, parallel_kernel
 from garmentcad.units import M_TO_MM
 
-_CLUSTER = 16  # faces in a box
+_CLUSTER = 4  # faces in a box
+_FAN = 16  # boxes in a larger box, of which there are two levels
 # Barycentric weights of the three points in which a triangle is sampled beside its corners.
 _SAMPLES = np.array([[2 / 3, 1 / 6, 1 / 6], [1 / 6, 2 / 3, 1 / 6], [1 / 6, 1 / 6, 2 / 3]])
 
@@ -24,42 +25,74 @@ def signed_distances(points: np.ndarray, vertices: np.ndarray, faces: np.ndarray
     points, vertices, faces = floats(points), floats(vertices), indices(faces)
     corners = vertices[faces]
     order = cKDTree(corners.mean(axis=1), leafsize=_CLUSTER).indices
-    starts = np.arange(0, len(faces), _CLUSTER)
     sorted_corners = floats(corners[order])
-    boxes = np.concatenate(
-        [np.minimum.reduceat(sorted_corners.min(axis=1), starts, axis=0), np.maximum.reduceat(sorted_corners.max(axis=1), starts, axis=0)], axis=1
-    )
+    small = _boxes_around(np.concatenate([sorted_corners.min(axis=1), sorted_corners.max(axis=1)], axis=1), _CLUSTER)
+    middle = _boxes_around(small, _FAN)
+    large = _boxes_around(middle, _FAN)
     out = np.empty(len(points))
-    _signed(points, sorted_corners, floats(boxes), floats(_pseudo_normals(vertices, faces)[order]), out)
+    _signed(points, sorted_corners, small, middle, large, floats(_pseudo_normals(vertices, faces)[order]), out)
     return out
 
 
-def penetration_mm(positions: np.ndarray, triangles: np.ndarray, body_vertices: np.ndarray, body_faces: np.ndarray) -> float:
-    """Greatest depth in mm of a cloth inside a closed body, at the cloth's particles and at three points of each triangle; 0 if there is none."""
-    corners = np.asarray(positions)[np.asarray(triangles)]
-    samples = np.einsum("sk,fkx->fsx", _SAMPLES, corners).reshape(-1, 3)
-    points = np.concatenate([positions, samples])
-    if len(points) == 0:
+def penetration_mm(
+    positions: np.ndarray, triangles: np.ndarray, body_vertices: np.ndarray, body_faces: np.ndarray, distances: np.ndarray | None = None
+) -> float:
+    """Greatest depth in mm of a cloth inside a closed body, at the cloth's particles and at three points of each triangle; 0 if there is none.
+
+    distances: `signed_distances` of the particles, where they are known already.
+    """
+    positions, triangles = np.asarray(positions), np.asarray(triangles)
+    if len(positions) == 0:
         return 0.0
-    return max(0.0, -float(signed_distances(points, body_vertices, body_faces).min())) * M_TO_MM
+    if distances is None:
+        distances = signed_distances(positions, body_vertices, body_faces)
+    corners = positions[triangles]
+    samples = np.einsum("sk,fkx->fsx", _SAMPLES, corners)
+    # A point that is nearer to a corner than that corner is to the body lies on the corner's side of it.
+    reach = np.linalg.norm(samples[:, :, None] - corners[:, None], axis=3)
+    doubtful = samples[(distances[triangles][:, None] <= reach).all(axis=2)]
+    depth = -min(distances.min(), signed_distances(doubtful, body_vertices, body_faces).min(initial=np.inf))
+    return max(0.0, float(depth)) * M_TO_MM
+
+
+def _boxes_around(boxes: np.ndarray, count: int) -> np.ndarray:
+    """Boxes (K,6), low and high corner, around each `count` following boxes (N,6)."""
+    starts = np.arange(0, len(boxes), count)
+    return floats(np.concatenate([np.minimum.reduceat(boxes[:, :3], starts, axis=0), np.maximum.reduceat(boxes[:, 3:], starts, axis=0)], axis=1))
+
+
+def vertex_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """(V,3) unit normals of a surface at its vertices: those of the faces around, weighted with their angles."""
+    normals = _angle_sums(vertices, faces, _face_normals(vertices[faces]))
+    return normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
 
 
 def _pseudo_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """(F,7,3): angle-weighted normals of the corners, sums of the two face normals at the edges opposite to corners 0 1 2, the face's own normal."""
-    corners = vertices[faces]
-    own = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    own /= np.maximum(np.linalg.norm(own, axis=1, keepdims=True), 1e-300)
-    at_vertex = np.zeros_like(vertices)
-    for k in range(3):
-        e, f = corners[:, k - 2] - corners[:, k], corners[:, k - 1] - corners[:, k]
-        angle = np.arctan2(np.linalg.norm(np.cross(e, f), axis=1), (e * f).sum(axis=1))
-        for axis in range(3):
-            at_vertex[:, axis] += np.bincount(faces[:, k], angle * own[:, axis], len(vertices))
+    own = _face_normals(vertices[faces])
     opposite = np.sort(np.stack([faces[:, [1, 2]], faces[:, [2, 0]], faces[:, [0, 1]]], axis=1), axis=2)
     key = (opposite[..., 0].astype(np.int64) * len(vertices) + opposite[..., 1]).ravel()
     _, edge = np.unique(key, return_inverse=True)
     at_edge = np.stack([np.bincount(edge, np.repeat(own[:, axis], 3)) for axis in range(3)], axis=1)
-    return np.concatenate([at_vertex[faces], at_edge[edge.reshape(-1, 3)], own[:, None]], axis=1)
+    return np.concatenate([_angle_sums(vertices, faces, own)[faces], at_edge[edge.reshape(-1, 3)], own[:, None]], axis=1)
+
+
+def _face_normals(corners: np.ndarray) -> np.ndarray:
+    """(F,3) unit normals of faces (F,3,3)."""
+    own = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return own / np.maximum(np.linalg.norm(own, axis=1, keepdims=True), 1e-300)
+
+
+def _angle_sums(vertices: np.ndarray, faces: np.ndarray, own: np.ndarray) -> np.ndarray:
+    """(V,3): sums over the faces around a vertex of their normals `own` (F,3) times their angles there."""
+    corners = vertices[faces]
+    sums = np.zeros_like(vertices)
+    for k in range(3):
+        e, f = corners[:, k - 2] - corners[:, k], corners[:, k - 1] - corners[:, k]
+        angle = np.arctan2(np.linalg.norm(np.cross(e, f), axis=1), (e * f).sum(axis=1))
+        for axis in range(3):
+            sums[:, axis] += np.bincount(faces[:, k], angle * own[:, axis], len(vertices))
+    return sums
 
 
 @kernel
@@ -100,29 +133,48 @@ def _foot(corners, face, x, y, z):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _signed_one(x, y, z, corners, boxes, normals):  # type: ignore[no-untyped-def]
-    nearest, first = math.inf, 0
-    for box in range(len(boxes)):
+def _nearest_box(boxes, first, count, x, y, z):  # type: ignore[no-untyped-def]
+    """Of the `count` boxes from `first` on, those that there are."""
+    nearest, best = first, math.inf
+    for box in range(first, min(first + count, len(boxes))):
         gap2 = _box_gap2(boxes, box, x, y, z)
-        if gap2 < nearest:
-            nearest, first = gap2, box
-    best, sign = math.inf, 1.0
-    # The nearest box first, so that few of the others remain.
-    for turn in range(-1, len(boxes)):
-        box = first if turn < 0 else turn
-        if (turn >= 0 and box == first) or _box_gap2(boxes, box, x, y, z) > best:
+        if gap2 < best:
+            nearest, best = box, gap2
+    return nearest
+
+
+@kernel
+def _closest_in(box, x, y, z, corners, normals, best, sign):  # type: ignore[no-untyped-def]
+    """Squared distance from the nearest face so far and the side of it, after the faces of a small box."""
+    for face in range(box * _CLUSTER, min((box + 1) * _CLUSTER, len(corners))):
+        rx, ry, rz, feature = _foot(corners, face, x, y, z)
+        gap2 = rx * rx + ry * ry + rz * rz
+        if gap2 < best:
+            facing = rx * normals[face, feature, 0] + ry * normals[face, feature, 1] + rz * normals[face, feature, 2]
+            best, sign = gap2, -1.0 if facing < 0.0 else 1.0
+    return best, sign
+
+
+@kernel
+def _signed_one(x, y, z, corners, small, middle, large, normals):  # type: ignore[no-untyped-def]
+    # First down to a near box, so that few of the others remain.
+    first = _nearest_box(large, 0, len(large), x, y, z)
+    first = _nearest_box(middle, first * _FAN, _FAN, x, y, z)
+    first = _nearest_box(small, first * _FAN, _FAN, x, y, z)
+    best, sign = _closest_in(first, x, y, z, corners, normals, math.inf, 1.0)
+    for a in range(len(large)):
+        if _box_gap2(large, a, x, y, z) > best:
             continue
-        for face in range(box * _CLUSTER, min((box + 1) * _CLUSTER, len(corners))):
-            rx, ry, rz, feature = _foot(corners, face, x, y, z)
-            gap2 = rx * rx + ry * ry + rz * rz
-            if gap2 < best:
-                best = gap2
-                facing = rx * normals[face, feature, 0] + ry * normals[face, feature, 1] + rz * normals[face, feature, 2]
-                sign = -1.0 if facing < 0.0 else 1.0
+        for b in range(a * _FAN, min((a + 1) * _FAN, len(middle))):
+            if _box_gap2(middle, b, x, y, z) > best:
+                continue
+            for c in range(b * _FAN, min((b + 1) * _FAN, len(small))):
+                if c != first and _box_gap2(small, c, x, y, z) <= best:
+                    best, sign = _closest_in(c, x, y, z, corners, normals, best, sign)
     return sign * math.sqrt(best)
 
 
 @parallel_kernel
-def _signed(points, corners, boxes, normals, out):  # type: ignore[no-untyped-def]
+def _signed(points, corners, small, middle, large, normals, out):  # type: ignore[no-untyped-def]
     for n in prange(len(points)):
-        out[n] = _signed_one(points[n, 0], points[n, 1], points[n, 2], corners, boxes, normals)
+        out[n] = _signed_one(points[n, 0], points[n, 1], points[n, 2], corners, small, middle, large, normals)

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, TypeAlias, TypeVar
 import numpy as np
 from scipy.spatial import cKDTree
 
-from garmentcad.arrays import floats, frozen, indices
+from garmentcad.arrays import floats, frozen, indices, unique_pairs
 from garmentcad.cloth.bend_lines import bend_lines
 from garmentcad.cloth.border import border_triangles
 from garmentcad.cloth.cloth import WARP, WEFT, BendLines, BorderTriangles, Cells, Cloth, ContourSpans, Links, SeamHinges
@@ -191,8 +191,8 @@ def _links(mesh: PanelMesh) -> Links:
     """Sides of full cells, along weft first, material row 0."""
     parts = []
     for number, sides in ((WEFT, ((0, 1), (3, 2))), (WARP, ((0, 3), (1, 2)))):
-        ends, cells = np.unique(np.concatenate([mesh.cells[:, side] for side in sides]), axis=0, return_counts=True)
-        parts.append((ends, 0.5 * cells * mesh.spacing * MM_TO_M, np.full(len(ends), number)))
+        ends, link = unique_pairs(np.concatenate([mesh.cells[:, side] for side in sides]))
+        parts.append((ends, 0.5 * np.bincount(link) * mesh.spacing * MM_TO_M, np.full(len(ends), number)))
     ends, width, direction = (np.concatenate(column) for column in zip(*parts))
     rest = np.full(len(ends), mesh.spacing * MM_TO_M)
     return Links(indices(ends), rest, floats(width), indices(direction), np.zeros(len(ends), dtype=np.int32))

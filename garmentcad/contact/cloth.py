@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from garmentcad.arrays import floats
+from garmentcad.arrays import floats, unique_pairs
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.weld import welded_particles
 from garmentcad.contact.bvh import EDGE_EDGE_ONCE, POINT_TRIANGLE, build_tree, fitted_tree, near_pairs, refit
@@ -61,9 +61,8 @@ class _Neighbours:
         welded = identity[cloth.vertex_particle]
         corner, ends = near[:, 0], sides.nodes[near[:, 1], :2]
         count, triangles = int(identity.max(initial=0)) + 1, welded[cloth.triangles]
-        keys = np.sort(identity[edges], axis=1)
-        whole, self._edge = np.unique(keys, axis=0, return_inverse=True)
-        self._edge, self._identity = self._edge.ravel(), identity
+        whole, self._edge = unique_pairs(identity[edges])
+        self._identity = identity
         at_edge = _incidence(np.arange(len(whole))[:, None], whole, (len(whole), count))
         at_triangle = _incidence(np.arange(len(triangles))[:, None], triangles, (len(triangles), count))
         side = _row_of(whole, np.sort(welded[ends], axis=1))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from garmentcad.arrays import indices
+from garmentcad.arrays import indices, unique_pairs
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.contact.bvh import Elements
 
@@ -14,7 +14,7 @@ LEAST_GAP = 1e-3  # m, of mid-surfaces
 def unique_edges(triangles: np.ndarray) -> np.ndarray:
     """Edges (E,2) int32 of triangles (F,3), each once, rising."""
     ends = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
-    return indices(np.unique(np.sort(ends, axis=1), axis=0).reshape(-1, 2))
+    return unique_pairs(ends)[0]
 
 
 def elements(nodes: np.ndarray, identity: np.ndarray) -> Elements:

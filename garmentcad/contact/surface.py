@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from garmentcad.arrays import floats, indices
+from garmentcad.arrays import floats, indices, unique_pairs
 from garmentcad.geometry.closest import EDGE, FACE
 
 _SMOOTHINGS = 3  # of the vertex curvature over the neighbours
@@ -25,16 +25,15 @@ def build_surface(vertices: np.ndarray, faces: np.ndarray) -> Surface:
     vertices, faces = floats(vertices), indices(faces)
     corners = vertices[faces]
     flat = _unit(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
-    vertex_normal = np.zeros_like(vertices)
+    angled = []
     for corner in range(3):
         to_next = _unit(corners[:, (corner + 1) % 3] - corners[:, corner])
         to_last = _unit(corners[:, (corner + 2) % 3] - corners[:, corner])
         angle = np.arccos(np.clip((to_next * to_last).sum(axis=1), -1.0, 1.0))
-        np.add.at(vertex_normal, faces[:, corner], angle[:, None] * flat)
-    ends = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2), axis=1)
-    _, edge = np.unique(ends, axis=0, return_inverse=True)
-    edge_normal = np.zeros((int(edge.max()) + 1, 3))
-    np.add.at(edge_normal, edge.ravel(), np.repeat(flat, 3, axis=0))
+        angled.append(angle[:, None] * flat)
+    vertex_normal = _sums(faces.T.ravel(), np.concatenate(angled), len(vertices))
+    edges, edge = unique_pairs(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2))
+    edge_normal = _sums(edge, np.repeat(flat, 3, axis=0), len(edges))
     normals = np.empty((len(faces), 7, 3))
     normals[:, :EDGE] = _unit(vertex_normal)[faces]
     normals[:, EDGE:FACE] = _unit(edge_normal)[edge.reshape(-1, 3)]
@@ -57,6 +56,11 @@ def convex_curvature(surface: Surface) -> np.ndarray:
     for _ in range(_SMOOTHINGS):
         curvature = 0.5 * (curvature + np.bincount(one, curvature[other], len(vertices)) / count)
     return curvature
+
+
+def _sums(places: np.ndarray, vectors: np.ndarray, count: int) -> np.ndarray:
+    """(count,3): sums of the vectors (K,3) that belong to each place, `places` (K,)."""
+    return np.column_stack([np.bincount(places, vectors[:, axis], count) for axis in range(3)])
 
 
 def _unit(vectors: np.ndarray) -> np.ndarray:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from garmentcad.arrays import floats
 from garmentcad.errors import InputError
 
 # Azimuth of the camera about the vertical, from the wearer's front toward the wearer's left, in degrees.
@@ -28,6 +29,30 @@ class Camera:
     view_angle_deg: float
     width: int
     height: int
+
+    @property
+    def toward(self) -> np.ndarray:
+        """(3,) unit vector from the focus to the camera."""
+        return (self.position - self.focus) / np.linalg.norm(self.position - self.focus)
+
+    @property
+    def right(self) -> np.ndarray:
+        """(3,) unit vector to the right of the picture."""
+        across = np.cross([0.0, 1.0, 0.0], self.toward)
+        return across / np.linalg.norm(across)
+
+    @property
+    def up(self) -> np.ndarray:
+        """(3,) unit vector to the top of the picture."""
+        return np.cross(self.toward, self.right)
+
+    def on_screen(self, points: np.ndarray, scale: int) -> np.ndarray:
+        """(N,3): column and row of points (N,3) m in a picture `scale` times as large, and 1/distance along the view [1/m], below 0 behind the camera."""
+        across, along, depth = ((points - self.position) @ np.stack([self.right, self.up, -self.toward]).T).T
+        near = 1.0 / np.where(np.abs(depth) < 1e-6, -1e-6, depth)
+        metre_px = 0.5 * scale * self.height / math.tan(math.radians(0.5 * self.view_angle_deg))
+        column, row = 0.5 * scale * self.width + metre_px * across * near, 0.5 * scale * self.height - metre_px * along * near
+        return floats(np.column_stack([column, row, near]))
 
     def metres_a_pixel(self) -> float:
         """Size of a pixel in the plane of the focus."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -24,30 +23,26 @@ def write_garment_obj(path: str | Path, cloth: Cloth, positions: np.ndarray) -> 
     uv = cloth.triangles + 1
     panel = cloth.vertex_panel[cloth.triangles[:, 0]]
     lines = ["# garmentcad: metres, y up; vt = panel millimetres"]
-    lines += _rows("v", positions)
-    lines += _rows("vt", cloth.vertex_uv_mm)
+    lines += [_rows("v %.9g %.9g %.9g", positions), _rows("vt %.9g %.9g", cloth.vertex_uv_mm)]
     for index, name in enumerate(cloth.panel_names):
         lines.append(f"g {_group_name(name)}")
-        lines += [f"f {a}/{ua} {b}/{ub} {c}/{uc}" for (a, b, c), (ua, ub, uc) in zip(corners[panel == index].tolist(), uv[panel == index].tolist())]
+        lines.append(_rows("f %d/%d %d/%d %d/%d", np.stack([corners[panel == index], uv[panel == index]], axis=2)))
     return write_atomic(path, "\n".join(lines) + "\n")
 
 
 def write_mannequin_obj(path: str | Path, mannequin: Mannequin) -> Path:
     """Write the body's surface, one group a body part."""
     faces = mannequin.faces + 1
-    lines = ["# garmentcad: metres, y up", *_rows("v", mannequin.vertices)]
+    lines = ["# garmentcad: metres, y up", _rows("v %.9g %.9g %.9g", mannequin.vertices)]
     for index, name in enumerate(mannequin.part_names):
         lines.append(f"g {_group_name(name)}")
-        lines += [f"f {a} {b} {c}" for a, b, c in faces[mannequin.face_part == index].tolist()]
+        lines.append(_rows("f %d %d %d", faces[mannequin.face_part == index]))
     return write_atomic(path, "\n".join(lines) + "\n")
 
 
-def _rows(keyword: str, rows: np.ndarray) -> Iterable[str]:
-    return (f"{keyword} " + " ".join(_number(value) for value in row) for row in rows.tolist())
-
-
-def _number(value: float) -> str:
-    return f"{value:.9g}"
+def _rows(pattern: str, rows: np.ndarray) -> str:
+    """A line for each row, formatted in one go."""
+    return "\n".join([pattern] * len(rows)) % tuple(rows.ravel().tolist())
 
 
 def _group_name(name: str) -> str:

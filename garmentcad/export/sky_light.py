@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
+
+from garmentcad.arrays import kernel
+from garmentcad.export.raster import blank, draw_triangles
 
 DIRECTIONS = 32
 MAP_PX = 400
@@ -17,34 +20,69 @@ SMOOTHINGS = 3  # passes of averaging over triangles: few directions leave hard 
 
 
 class SkyLight:
-    """Depth maps of a scene from directions spread over the sphere, drawn once, asked for any surface and any camera.
+    """Maps of what is nearest to the sky in directions spread over the sphere, drawn once, asked for any surface.
 
-    pyvista: the module; points: (N,3) m and triangles: (F,3) of everything that casts shade.
+    points: (N,3) m and triangles: (F,3) of everything that casts shade.
     """
 
-    def __init__(self, pyvista: Any, points: np.ndarray, triangles: np.ndarray) -> None:
+    def __init__(self, points: np.ndarray, triangles: np.ndarray) -> None:
         self._directions = _spread(DIRECTIONS)
-        self._maps: list[tuple[np.ndarray, np.ndarray]] = []
-        self._draw(pyvista, points, triangles)
+        center = 0.5 * (points.min(axis=0) + points.max(axis=0))
+        metre_px = 0.5 * MAP_PX / (1.01 * float(np.linalg.norm(points - center, axis=1).max()))
+        self._views = np.stack([_view(direction, center, metre_px) for direction in self._directions])
 
-    def seen(self, points: np.ndarray, normals: np.ndarray, triangles: np.ndarray, front: np.ndarray) -> np.ndarray:
-        """Part (N,) in 0..1 of the light on the vertices of a surface that nothing holds off.
+        def draw(view: np.ndarray) -> np.ndarray:
+            nearness, owner = blank(MAP_PX, MAP_PX)
+            draw_triangles(points @ view[:, :3].T + view[:, 3], triangles, 0, nearness, owner)
+            return nearness
 
-        points: (N,3) m; normals: (N,3) unit; triangles: (F,3); front: (3,) unit vector toward the camera.
-        """
-        lifted = np.column_stack([points + LIFT_M * normals, np.ones(len(points))])
-        got, full = np.zeros(len(points)), np.zeros(len(points))
-        for direction, weight, (matrix, depth) in zip(self._directions, self._weights(front), self._maps):
-            facing = weight * np.maximum(normals @ direction, 0.0)
-            x, y, z, _ = (lifted @ matrix.T).T
-            column = np.clip(np.rint((0.5 * x + 0.5) * MAP_PX - 0.5), 0, MAP_PX - 1).astype(np.int64)
-            row = np.clip(np.rint((0.5 * y + 0.5) * MAP_PX - 0.5), 0, MAP_PX - 1).astype(np.int64)
-            got += np.where(z <= depth[row, column], facing, 0.0)
-            full += facing
-        part = np.divide(got, full, out=np.ones(len(points)), where=full > 0.0)
-        uses = np.maximum(np.bincount(triangles.ravel(), minlength=len(points)), 1)
+        with ThreadPoolExecutor() as pool:
+            self._maps = np.stack(list(pool.map(draw, self._views)))
+
+    def on(self, points: np.ndarray, normals: np.ndarray) -> SurfaceLight:
+        """The light on the vertices of a surface. points: (N,3) m; normals: (N,3) unit, toward the side that is lit."""
+        facing = np.maximum(self._directions @ normals.T, 0.0)
+        got = np.empty_like(facing)
+        _hold_off(points + LIFT_M * normals, self._views, self._maps, facing, got)
+        return SurfaceLight(self._directions, facing, got)
+
+
+def _view(direction: np.ndarray, center: np.ndarray, metre_px: float) -> np.ndarray:
+    """(3,4): matrix and shift that take a point in m to column, row and nearness on the map of a direction."""
+    right = np.cross((0.0, 0.0, 1.0) if abs(direction[1]) > 0.9 else (0.0, 1.0, 0.0), direction)
+    right /= np.linalg.norm(right)
+    axes = np.stack([metre_px * right, metre_px * np.cross(direction, right), direction])
+    return np.column_stack([axes, [0.5 * MAP_PX, 0.5 * MAP_PX, 0.0] - axes @ center])
+
+
+@kernel
+def _hold_off(points, views, maps, facing, got):  # type: ignore[no-untyped-def]
+    """The light `facing` (D,N) that reaches points (N,3) past what the maps (D,H,W) show, into `got` (D,N)."""
+    for k in range(len(views)):
+        view, nearest = views[k], maps[k]
+        height, width = nearest.shape
+        for n in range(len(points)):
+            x, y, z = points[n, 0], points[n, 1], points[n, 2]
+            column = min(max(int(view[0, 0] * x + view[0, 1] * y + view[0, 2] * z + view[0, 3]), 0), width - 1)
+            row = min(max(int(view[1, 0] * x + view[1, 1] * y + view[1, 2] * z + view[1, 3]), 0), height - 1)
+            open_sky = view[2, 0] * x + view[2, 1] * y + view[2, 2] * z + view[2, 3] >= nearest[row, column]
+            got[k, n] = facing[k, n] if open_sky else 0.0
+
+
+class SurfaceLight:
+    """Light on N vertices from each of the directions (D,3): `facing` (D,N) what would come in if nothing held it off, `got` (D,N) what does."""
+
+    def __init__(self, directions: np.ndarray, facing: np.ndarray, got: np.ndarray) -> None:
+        self._directions, self._facing, self._got = directions, facing, got
+
+    def seen(self, triangles: np.ndarray, front: np.ndarray) -> np.ndarray:
+        """Part (N,) in 0..1 of the light that nothing holds off. triangles: (F,3) of the surface; front: (3,) unit vector toward the camera."""
+        weights = self._weights(front)
+        got, full = weights @ self._got, weights @ self._facing
+        part = np.divide(got, full, out=np.ones(len(full)), where=full > 0.0)
+        uses = np.maximum(np.bincount(triangles.ravel(), minlength=len(part)), 1)
         for _ in range(SMOOTHINGS):
-            part = np.bincount(triangles.ravel(), weights=np.repeat(part[triangles].mean(axis=1), 3), minlength=len(points)) / uses
+            part = np.bincount(triangles.ravel(), weights=np.repeat(part[triangles].mean(axis=1), 3), minlength=len(part)) / uses
         return part
 
     def _weights(self, front: np.ndarray) -> np.ndarray:
@@ -53,28 +91,6 @@ class SkyLight:
         lobe = np.maximum(self._directions @ (lamp / np.linalg.norm(lamp)), 0.0) ** 3
         sky = 0.65 + 0.35 * self._directions[:, 1]
         return sky / sky.sum() + lobe / lobe.sum()
-
-    def _draw(self, pyvista: Any, points: np.ndarray, triangles: np.ndarray) -> None:
-        center = 0.5 * (points.min(axis=0) + points.max(axis=0))
-        radius = float(np.linalg.norm(points - center, axis=1).max()) * 1.01
-        plotter = pyvista.Plotter(off_screen=True, window_size=(MAP_PX, MAP_PX), lighting="none")
-        plotter.add_mesh(pyvista.PolyData.from_regular_faces(points, triangles), lighting=False, color="white")
-        camera = plotter.camera
-        camera.enable_parallel_projection()
-        camera.parallel_scale = radius
-        plotter.show(auto_close=False, interactive=False)
-        buffer = pyvista._vtk.vtkFloatArray()
-        for direction in self._directions:
-            camera.focal_point = tuple(center)
-            camera.position = tuple(center + 2.0 * radius * direction)
-            camera.up = (0.0, 0.0, 1.0) if abs(direction[1]) > 0.9 else (0.0, 1.0, 0.0)
-            camera.clipping_range = (radius, 3.0 * radius)
-            plotter.render_window.Render()
-            plotter.render_window.GetZbufferData(0, 0, MAP_PX - 1, MAP_PX - 1, buffer)
-            depth = pyvista.convert_array(buffer).reshape(MAP_PX, MAP_PX).copy()
-            matrix = pyvista.array_from_vtkmatrix(camera.GetCompositeProjectionTransformMatrix(1.0, 0.0, 1.0))
-            self._maps.append((matrix, depth))
-        plotter.close()
 
 
 def _spread(count: int) -> np.ndarray:

@@ -7,7 +7,8 @@ import struct
 from pathlib import Path
 
 import numpy as np
-import trimesh
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from garmentcad.arrays import floats, frozen, indices
 from garmentcad.errors import MeshError
@@ -45,8 +46,8 @@ def read_mesh(path: str | Path, unit: str | None = None) -> tuple[np.ndarray, np
     scale = UNITS[unit] if unit is not None else _unit_for(height, file)
     if not MIN_STATURE_M <= scale * height <= MAX_STATURE_M:
         raise MeshError(f"the height along y is {scale * height:.4g} m; allowed: {MIN_STATURE_M:g} to {MAX_STATURE_M:g} m (y is up)", file=file)
-    mesh = trimesh.Trimesh(vertices, faces, process=False)
-    if mesh.volume < 0:
+    a, b, c = (vertices[faces[:, corner]] for corner in range(3))
+    if (np.cross(a, b) * c).sum() < 0.0:  # six times the volume: the faces look inward
         faces = faces[:, ::-1]
     return frozen(floats(scale * vertices)), frozen(indices(faces))
 
@@ -72,6 +73,8 @@ def _check_claims(raw: bytes, ending: str, file: str) -> None:
 
 
 def _load(raw: bytes, ending: str, file: str) -> tuple[np.ndarray, np.ndarray]:
+    import trimesh  # takes a while, and bodies that are no scans do without it
+
     try:
         with np.errstate(invalid="ignore"):  # values that are not finite are refused below, by name
             scene = trimesh.load_scene(io.BytesIO(raw), file_type=ending[1:], process=False, skip_materials=True)
@@ -124,7 +127,8 @@ def _check_surface(vertices: np.ndarray, faces: np.ndarray, file: str) -> None:
         raise MeshError(f"the surface is not a solid's: {crowded} edges have more than two faces", file=file)
     if len(np.unique(half, axis=0)) != len(half):
         raise MeshError("the faces are not turned alike: two neighbours run along their edge in the same direction", file=file)
-    pieces = int(trimesh.graph.connected_component_labels(half, node_count=len(vertices)).max()) + 1
+    joined = coo_array((np.ones(len(half), dtype=bool), (half[:, 0], half[:, 1])), shape=(len(vertices), len(vertices)))
+    pieces = connected_components(joined, directed=False, return_labels=False)
     if pieces != 1:
         raise MeshError(f"{pieces} separate surfaces; one closed body is wanted", file=file)
 

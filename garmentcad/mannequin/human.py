@@ -50,8 +50,8 @@ class HumanModel:
 
     def part_faces(self, *names: str) -> np.ndarray:
         """(K,3) faces of the parts."""
-        chosen = [self.part_names.index(name) for name in names]
-        return self.faces[np.isin(self.face_part, chosen)]
+        chosen = np.array([name in names for name in self.part_names])
+        return self.faces[chosen[self.face_part]]
 
     def mirrored_vertices(self) -> np.ndarray:
         """(N,) index of each left vertex's mirror image in the whole mesh (`whole`); border vertices are their own."""

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
+from garmentcad.arrays import unique_pairs
 from garmentcad.errors import MannequinError
 
 
@@ -31,10 +32,10 @@ def cut(points: np.ndarray, faces: np.ndarray, origin: np.ndarray, normal: np.nd
     """Section of the faces (K,3) with the plane through origin; a point for every crossed edge of every face (shared edges stand twice)."""
     height = (points - origin) @ normal
     above = height[faces] > 0.0
-    crossed = np.flatnonzero(above.any(1) & ~above.all(1))
+    crossed = np.flatnonzero((above[:, 0] != above[:, 1]) | (above[:, 1] != above[:, 2]))
     faces, above = faces[crossed], above[crossed]
-    ends = [np.sort(faces[above[:, a] != above[:, b]][:, [a, b]], axis=1) for a, b in ((0, 1), (1, 2), (2, 0))]
-    low, high = np.unique(np.vstack(ends), axis=0).T
+    ends = [faces[above[:, a] != above[:, b]][:, [a, b]] for a, b in ((0, 1), (1, 2), (2, 0))]
+    low, high = unique_pairs(np.vstack(ends))[0].T
     share = height[low] / (height[low] - height[high])
     return Section(low, high, share, points[low] + share[:, None] * (points[high] - points[low]))
 
@@ -69,6 +70,5 @@ def tape(points: np.ndarray, faces: np.ndarray, origin: np.ndarray, normal: np.n
     tangents = steps / lengths[:, None]
     pull = (np.roll(tangents, 1, axis=0) - tangents) @ axes
     gradient = np.zeros((count, 3))
-    for vertex, force in zip(ring, pull):
-        gradient[vertex % count] += force if vertex < count else force * [-1.0, 1.0, 1.0]
+    np.add.at(gradient, ring % count, np.where((ring < count)[:, None], pull, pull * [-1.0, 1.0, 1.0]))
     return Taped(float(lengths.sum()), section, gradient)

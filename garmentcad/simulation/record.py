@@ -8,12 +8,11 @@ from importlib.metadata import version
 import numba
 import numpy as np
 from scipy.spatial import cKDTree
-from trimesh import Trimesh
 
 from garmentcad import __version__
 from garmentcad.analysis.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
 from garmentcad.analysis.measures import Measures, measure
-from garmentcad.analysis.penetration import penetration_mm, signed_distances
+from garmentcad.analysis.penetration import penetration_mm, signed_distances, vertex_normals
 from garmentcad.analysis.pressure import contact_pressure
 from garmentcad.analysis.run_record import RunRecord, Status
 from garmentcad.analysis.tributary import particle_areas
@@ -37,7 +36,8 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
         triangles = cloth.particle_triangles
         crossings = len(crossing_triangle_pairs(state.positions, triangles))
         touching = len(crossing_triangle_pairs_between(state.positions, triangles, body.vertices, body.faces))
-        depth = penetration_mm(state.positions, triangles, body.vertices, body.faces)
+        distance = signed_distances(state.positions, body.vertices, body.faces)
+        depth = penetration_mm(state.positions, triangles, body.vertices, body.faces, distance)
         if crossings or touching or depth > 0.0:
             status = "intersecting"
     elif status == "converged":
@@ -90,10 +90,9 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
                 roles[edge.role].append(key)
     pressure = None
     if finite:
-        distance = signed_distances(state.positions, body.vertices, body.faces)
         # The body is smooth at the scale of its triangles: the normal at the nearest body vertex serves.
         nearest = cKDTree(body.vertices).query(state.positions)[1]
-        normal = Trimesh(body.vertices, body.faces, process=False).vertex_normals[nearest]
+        normal = vertex_normals(body.vertices, body.faces)[nearest]
         gap = max(LEAST_GAP_M, 0.5 * float(outcome.materials.thickness.max()))
         pressure = contact_pressure(outcome.dynamics.net_forces(state), normal, distance, gap, particle_areas(cloth))
     return made, measure(cloth, state.positions, outcome.materials, body, roles, place_vertices(job.pattern, cloth, body), pressure)
