@@ -119,7 +119,7 @@ def _bend_part(part, lines, positions, out):  # type: ignore[no-untyped-def]
 def write_bend(lines, positions, velocities, out):  # type: ignore[no-untyped-def]
     """Forces on centre, arm a (two), arm b (two) of line i into out[5 i] to out[5 i + 4]."""
     for part in prange(-(-len(lines.stiffness) // PART)):
-        _bend_part(part, lines, positions, out)
+        _bend_part(np.int64(part), lines, positions, out)
 
 
 class ForceBend(OneLaw):

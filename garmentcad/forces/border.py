@@ -165,7 +165,7 @@ def _border_part(part, parts, damping_time, positions, velocities, out):  # type
 def write_border(parts, damping_time, positions, velocities, out):  # type: ignore[no-untyped-def]
     """Forces on the corners of triangle i into out[3 i] to out[3 i + 2]."""
     for part in prange(len(parts.first) - 1):
-        _border_part(part, parts, damping_time, positions, velocities, out)
+        _border_part(np.int64(part), parts, damping_time, positions, velocities, out)
 
 
 class ForceBorder(OneLaw):

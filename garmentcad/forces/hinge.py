@@ -89,7 +89,7 @@ def _hinge_part(part, hinges, positions, out):  # type: ignore[no-untyped-def]
 def write_hinge(hinges, positions, velocities, out):  # type: ignore[no-untyped-def]
     """Forces on edge start, edge end, wing a, wing b of hinge i into out[4 i] to out[4 i + 3]."""
     for part in prange(-(-len(hinges.stiffness) // PART)):
-        _hinge_part(part, hinges, positions, out)
+        _hinge_part(np.int64(part), hinges, positions, out)
 
 
 class ForceHinge(OneLaw):

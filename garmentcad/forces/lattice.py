@@ -8,7 +8,7 @@ import numba
 import numpy as np
 from numba import prange
 
-from garmentcad.arrays import CHUNKS, chunk_range, indices, kernel, parallel_kernel
+from garmentcad.arrays import indices, kernel, parallel_kernel
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.bend import ForceBend, bend_row
@@ -68,7 +68,8 @@ def _store(first, count, total, out):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _block(k, blocks, coefficients, setting, positions, velocities, room, out):  # type: ignore[no-untyped-def]
+def _block(k, blocks, coefficients, setting, positions, velocities, rooms, out):  # type: ignore[no-untyped-def]
+    room = rooms[numba.get_thread_id()]
     first, size, up = np.int64(blocks.first[k]), np.int64(blocks.size[k]), np.int64(blocks.columns[k])
     beside = np.int64(1)  # a literal would make the row kernels compile for a type of its own
     h, damping_time = setting
@@ -98,18 +99,11 @@ def _block(k, blocks, coefficients, setting, positions, velocities, room, out): 
     _store(first - origin, size, motion, out.reshape(-1)[3 * first :])
 
 
-@kernel
-def _blocks_of(chunk, blocks, coefficients, setting, positions, velocities, rooms, out):  # type: ignore[no-untyped-def]
-    begin, end = chunk_range(chunk, len(blocks.first))
-    for k in range(begin, end):
-        _block(k, blocks, coefficients, setting, positions, velocities, rooms[numba.get_thread_id()], out)
-
-
 @parallel_kernel
 def write_lattice(blocks, coefficients, setting, rooms, positions, velocities, out):  # type: ignore[no-untyped-def]
     """Force on the particle of each slot into out (S,3); setting: h [m], damping time [s]; rooms (threads,34,R): scratch of each thread."""
-    for chunk in prange(CHUNKS):
-        _blocks_of(chunk, blocks, coefficients, setting, positions, velocities, rooms, out)
+    for k in prange(len(blocks.first)):
+        _block(np.int64(k), blocks, coefficients, setting, positions, velocities, rooms, out)  # a cast, or it compiles for each of two types of k
 
 
 class ForceLattice:
@@ -137,7 +131,7 @@ class ForceLattice:
             self._coefficients[_C_TWIST] = twist.rows(slots)
         if bend in self.laws:
             self._coefficients[_C_BEND_WEFT], self._coefficients[_C_BEND_WARP] = bend.rows(slots, inner.direction)
-        self._rooms = aligned_zeros(numba.config.NUMBA_NUM_THREADS, _ALL, slots.room)
+        self._rooms = aligned_zeros(numba.config.NUMBA_NUM_THREADS, _ALL, slots.room)  # type: ignore[attr-defined]
         self.corners = slots.blocks.particle
 
     @property

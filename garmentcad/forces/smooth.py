@@ -33,7 +33,7 @@ def expm1_smooth(x):  # type: ignore[no-untyped-def]
     """exp(x) - 1 for |x| <= 700: with x = n ln 2 + r, |r| <= ln(2)/2, it is 2^n expm1(r) + 2^n - 1. Error below 1e-12."""
     rounded = x * _LOG2_E + _ROUND
     r = x - (rounded - _ROUND) * _LN_2
-    power = _power_of_two(rounded)
+    power = _power_of_two(rounded)  # type: ignore[call-arg, var-annotated]
     r2 = r * r
     r4 = r2 * r2
     low = (1.0 + r * (1.0 / 2.0)) + r2 * (1.0 / 6.0 + r * (1.0 / 24.0))

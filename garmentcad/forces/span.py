@@ -44,7 +44,7 @@ def _span_of(items, spans, positions, out):  # type: ignore[no-untyped-def]
 def write_span(spans, positions, velocities, out):  # type: ignore[no-untyped-def]
     """Forces on the corners of span i into out[4 i] to out[4 i + 3]."""
     for chunk in prange(CHUNKS):
-        _span_of(chunk_range(chunk, len(spans.stiffness)), spans, positions, out)
+        _span_of(chunk_range(np.int64(chunk), len(spans.stiffness)), spans, positions, out)
 
 
 class ForceSpan(OneLaw):

@@ -25,13 +25,13 @@ from garmentcad.forces.tension_curves import TensionCurves, tension_at, tension_
 LEAST_EXPONENT = 1e-9  # a linear curve is one with this exponent: it differs by less than the tenth digit
 SHORTEST = 1e-2  # in units of the rest length: shorter links lose their force, since one without length has no direction
 
-# Coefficients of a link from each slot to its neighbour: x/em; w k em/x [N]; em.
+# Coefficients of a link from each slot to its neighbour: x/em; w k em/x [N]; em. The slope beyond em, k + x Fm/em, is k exp(x).
 COEFFICIENTS = 3
 
 
 @kernel
 def tension_force(strain, damped_rate, rate, amplitude, em):  # type: ignore[no-untyped-def]
-    """T + tau k de/dt from strain, tau de/dt, x/em, k em/x and em: the curve of law_tension.py, whose tangents at 0 and at em go on outside, without branches."""
+    """T + tau k de/dt from strain, tau de/dt, x/em, k em/x and em: the curve of law_tension.py with its tangents beyond 0 and em, without branches."""
     inside = min(max(strain, 0.0), em)
     growth = expm1_smooth(rate * inside)
     return amplitude * (growth + rate * ((1.0 + growth) * (strain - inside) + damped_rate))

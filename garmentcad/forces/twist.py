@@ -9,12 +9,11 @@ Source: orthotropic plate without Poisson effect, KES-FB2 along warp, weft and b
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 
-from garmentcad.arrays import indices, kernel
+from garmentcad.arrays import indices
 from garmentcad.cloth.cloth import Cells, Cloth
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.force import OneLaw
