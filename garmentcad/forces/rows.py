@@ -64,6 +64,9 @@ class LatticeSlots:
             rows = np.linspace(0, height, min(max(1, round(width * height / BLOCK)), height) + 1).astype(np.int64)
             table += [(start + a * width, (b - a) * width, width) for a, b in itertools.pairwise(rows)]
             end = start + height * width + width + 1
+        # large and small ones at either end alike: threads take runs of blocks of about the same number, and shall have the same work
+        table.sort(key=lambda row: -row[1])
+        table = table[::2] + table[1::2][::-1]
         widest = max((width for _, _, width in table), default=0)
         self.count = padded(end + 2 * widest + 2 * LANES)
         self.slot = np.full(cloth.particle_count, -1, dtype=np.int64)

@@ -37,8 +37,9 @@ def expm1_smooth(x):  # type: ignore[no-untyped-def]
     r2 = r * r
     r4 = r2 * r2
     low = (1.0 + r * (1.0 / 2.0)) + r2 * (1.0 / 6.0 + r * (1.0 / 24.0))
-    high = (1.0 / 120.0 + r * (1.0 / 720.0)) + r2 * (1.0 / 5040.0 + r * (1.0 / 40320.0)) + r4 * (1.0 / 362880.0 + r * (1.0 / 3628800.0))
-    return power * (r * (low + r4 * high)) + (power - 1.0)
+    middle = (1.0 / 120.0 + r * (1.0 / 720.0)) + r2 * (1.0 / 5040.0 + r * (1.0 / 40320.0))
+    high = 1.0 / 362880.0 + r * (1.0 / 3628800.0 + r * (1.0 / 39916800.0))
+    return power * (r * (low + r4 * (middle + r4 * high))) + (power - 1.0)
 
 
 @kernel
