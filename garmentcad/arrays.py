@@ -120,8 +120,9 @@ def _resolved(path: str) -> Path:
 
 caching.CacheImpl._locator_classes.insert(0, _ClosureLocator)
 
-# Strict floating point but for two rewrites that keep bits equal between thread counts (DESIGN section 3).
-_OPTIONS: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy", "fastmath": {"contract", "arcp"}}
+# Strict floating point. Contraction to fused operations would be 9 % faster, but which products it fuses changes with what a kernel is compiled into, and a
+# process that has just compiled calls other copies of a kernel than one that loads it: the same run would end in other bits.
+_OPTIONS: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy"}
 
 
 def kernel(function: Any) -> Any:

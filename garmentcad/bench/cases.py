@@ -16,7 +16,7 @@ from garmentcad.simulation.record import record
 from garmentcad.simulation.run import run
 
 Row = dict[str, Any]
-_KINDS = ("forces", "constraints", "detection", "response")
+_KINDS = ("steps", "detection", "stiffness")
 _WARM_UP_S = 0.05  # simulated; enough that every kernel of a step has run
 
 
@@ -43,7 +43,7 @@ def warm_up() -> None:
 
 
 def run_case(job: Job, look: Callable[[Progress], None]) -> Row:
-    """Drape, judge and measure. Shares are of the wall time of the drape; what is left of it are positions, measures and the course's questions.
+    """Drape, judge and measure. Shares are of the wall time of the drape; what is left of it are refinement, measures and the course's questions.
 
     cpu_s: of all threads, setup included; where others use the machine it says more than wall time. mean_height_mm: above the ball's centre, W1 only.
     """

@@ -27,7 +27,9 @@ AREAL_MASS_KG_M2 = 0.15
 TENSION_N_M = 2000.0
 SHEAR_N_M_RAD = 50.0
 BENDING_N_M = 1e-5
-GAP_M = 0.003  # between mid-surfaces of cloth and cloth; half of it between cloth and ball, as for every fabric
+GAP_M = 0.003  # of mid-surfaces, from cloth to cloth and from cloth to ball
+# Half of a fabric's thickness is its gap to a body. The ball is drawn larger by the other half, so that the cloth rests where that of other programs does.
+DRAWN_RADIUS_M = RADIUS_M + 0.5 * GAP_M
 FRICTION = 0.3  # of the cloth on the ball; cloth on cloth follows by the rule of all fabrics
 
 _FM_GF_CM = 500.0
@@ -72,8 +74,8 @@ def linear_sheet() -> KesSheet:
 
 
 def ball() -> Mannequin:
-    """The ball as a body: vertices at RADIUS_M from its centre; it has no girths, landmarks or limbs."""
-    mesh = trimesh.creation.icosphere(subdivisions=_SUBDIVISIONS, radius=RADIUS_M)
+    """The ball as a body: vertices at DRAWN_RADIUS_M from its centre; it has no girths, landmarks or limbs."""
+    mesh = trimesh.creation.icosphere(subdivisions=_SUBDIVISIONS, radius=DRAWN_RADIUS_M)
     faces = frozen(indices(mesh.faces))
     return Mannequin("ball", frozen(floats(mesh.vertices + np.array(CENTER_M))), faces, {}, {}, {}, ("ball",), frozen(indices(np.zeros(len(faces)))))
 
