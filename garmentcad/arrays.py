@@ -11,17 +11,20 @@ import hashlib
 import os
 import re
 import shutil
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
 
-# Between the dozen parallel kernels of a step a waiting thread spins for a moment. One that sleeps at once costs about 100 us a kernel to wake on an idle
-# machine; one that spins for long costs milliseconds on a busy one. Read when the first parallel kernel starts.
-os.environ.setdefault("GOMP_SPINCOUNT", "10000")
+# Between the parallel regions of a step a waiting thread spins. One that sleeps costs about 100 us a region to wake, and may wake on the other thread's core
+# (a step then takes as long as on one thread); on a busy machine spinning loses more, but there two threads lose anyway. Read when the first region starts.
+os.environ.setdefault("GOMP_SPINCOUNT", "3000000")
 
 import llvmlite.binding as llvm
 import numpy as np
-from numba import njit
+from numba import get_num_threads, njit
 from numba.core import caching
 
 # Loops over many arrays use wide instructions only where the compiler may check at run time that the arrays do not overlap; by default it gives up after a few.
@@ -145,6 +148,35 @@ CHUNKS = 64
 def chunk_range(chunk, count):  # type: ignore[no-untyped-def]
     """First and last + 1 of the items 0..count-1 in a part."""
     return chunk * count // CHUNKS, (chunk + 1) * count // CHUNKS
+
+
+@contextmanager
+def threads_apart() -> Iterator[None]:
+    """Keeps the calling thread on one processor and all others of this process off it, where the kernels use every processor that the process may use.
+
+    The system else leaves two threads that wait for each other on one processor for seconds at a time, and a run takes twice as long now and then.
+    """
+    can = hasattr(os, "sched_setaffinity")
+    allowed = os.sched_getaffinity(0) if can else set()
+    if len(allowed) < 2 or get_num_threads() < len(allowed):
+        yield
+        return
+    mine = threading.get_native_id()
+    first = min(allowed)
+    others = [int(name) for name in os.listdir("/proc/self/task") if int(name) != mine]
+
+    def place(thread: int, processors: set[int]) -> None:
+        with suppress(OSError):  # a thread that has ended
+            os.sched_setaffinity(thread, processors)
+
+    place(mine, {first})
+    for other in others:
+        place(other, allowed - {first})
+    try:
+        yield
+    finally:
+        for thread in (mine, *others):
+            place(thread, allowed)
 
 
 def floats(values: Any) -> np.ndarray:

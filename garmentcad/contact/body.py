@@ -1,7 +1,7 @@
 """A body as contact sees it: its surface, trees over its elements, and which of them are in reach of a cloth's.
 
-Particles are held off the body one by one (planes.py). Its vertices and edges against triangles and edges of the cloth matter where a sharp feature of the
-body lies between particles.
+Particles are held off the body one by one (planes.py), by so much that a flat triangle between them clears a bulge of the curvature that the surface has
+there. Body vertices and edges against triangles and edges of the cloth matter where a feature is sharper than that: needles, edges of boxes, fingers.
 """
 
 from __future__ import annotations
@@ -10,29 +10,36 @@ import numpy as np
 
 from garmentcad.contact.bvh import EDGE_EDGE, TRIANGLE_POINT, fitted_tree, near_pairs
 from garmentcad.contact.cloth import ClothElements
-from garmentcad.contact.elements import elements, unique_edges
+from garmentcad.contact.elements import LEAST_GAP, elements, unique_edges
 from garmentcad.contact.surface import build_surface, convex_curvature
 
 CLEARANCE = 0.6e-3  # m, what a flat triangle keeps above the body's curve between its particles
 LARGEST_GAP = 0.4  # of the lattice spacing
+ELEMENT_GAP = 0.15e-3  # m, of body vertices and edges against cloth triangles and edges
 
 
 class BodyElements:
-    """A still body: vertices (V,3) m, faces (F,3) counter-clockwise from outside."""
+    """A still body, vertices (V,3) m and faces (F,3) counter-clockwise from outside, under a cloth of a lattice `spacing` [m].
 
-    def __init__(self, vertices: np.ndarray, faces: np.ndarray) -> None:
+    rise: (V,) m, least gap at each vertex, because a flat triangle between particles h apart dips h^2/(4 R) below a bulge of radius R. largest_gap: m, up to
+    which it counts.
+    """
+
+    def __init__(self, vertices: np.ndarray, faces: np.ndarray, spacing: float) -> None:
         self.surface = build_surface(vertices, faces)
         count = len(self.surface.vertices)
-        self.curvature = convex_curvature(self.surface)
-        self.face_tree = fitted_tree(elements(self.surface.faces, np.arange(count)), self.surface.vertices)
-        self._points = elements(np.arange(count), np.arange(count))
-        self._edges = elements(unique_edges(self.surface.faces), np.arange(count))
+        self.largest_gap = LARGEST_GAP * spacing
+        self.rise = CLEARANCE + 0.25 * spacing**2 * convex_curvature(self.surface)
+        kept = np.maximum(np.minimum(self.rise, self.largest_gap), LEAST_GAP)
+        # Twice the element gap stays between a triangle at its particles' gap and the bulge, or the vertex is looked at by itself.
+        sharp = 0.25 * spacing**2 * convex_curvature(self.surface, smoothings=0) > kept - 2.0 * ELEMENT_GAP
+        edges = unique_edges(self.surface.faces)
+        numbers = np.arange(count)
+        self.face_tree = fitted_tree(elements(self.surface.faces, numbers), self.surface.vertices)
+        self._points = elements(np.flatnonzero(sharp), numbers)
+        self._edges = elements(edges[sharp[edges].any(axis=1)], numbers)
         self._point_tree = fitted_tree(self._points, self.surface.vertices)
         self._edge_tree = fitted_tree(self._edges, self.surface.vertices)
-
-    def rise(self, spacing: float) -> np.ndarray:
-        """(V,) m: least gap at each vertex, because a flat triangle between particles h apart dips h^2/(4 R) below a bulge of radius R."""
-        return CLEARANCE + 0.25 * spacing**2 * self.curvature
 
     def pairs(self, cloth: ClothElements, positions: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:
         """Nodes (N,4) of body vertex-cloth triangle and of cloth edge-body edge pairs closer than `reach` m. Body vertices are numbered after the P particles

@@ -42,6 +42,8 @@ def build_tree(centers: np.ndarray) -> Tree:
     Deterministic: it depends on the centers' order and values alone.
     """
     count = len(centers)
+    if count == 0:
+        return Tree(indices([]), floats(np.zeros((2, 6))))
     levels = max(0, math.ceil(math.log2(max(count, 1) / _LEAF)))
     order = np.arange(count)
     for level in range(levels):

@@ -14,7 +14,7 @@ import numpy as np
 from garmentcad.arrays import CHUNKS, floats, kernel
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.state import State
-from garmentcad.contact.body import LARGEST_GAP, BodyElements
+from garmentcad.contact.body import ELEMENT_GAP, LARGEST_GAP, BodyElements
 from garmentcad.contact.bvh import Tree
 from garmentcad.contact.cloth import ClothElements
 from garmentcad.contact.elements import LEAST_GAP, largest_around
@@ -36,7 +36,6 @@ from garmentcad.contact.surface import Surface
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.geometry.closest import distance_between
 
-ELEMENT_GAP = 0.15e-3  # m, of body vertices and edges against cloth triangles and edges
 _COVERED = 0.25  # of the lattice spacing: the way of any node that one detection covers at least
 SURGE = 1.5  # fastest speed after a response, in fastest speeds before it, up to which the candidates in reach were chosen right
 _WORTH = 1000  # pairs in reach above which it pays to measure the slack of all anew (see `refresh`)
@@ -99,13 +98,13 @@ class Contact:
         self._cloth_gap, body_gap = np.maximum(thickness, LEAST_GAP), np.maximum(0.5 * thickness, LEAST_GAP)
         self._cloth_friction, self._body_friction = (largest_around(cloth, values) for values in (materials.friction_cloth, materials.friction_body))
         self._elements = ClothElements(cloth, float(self._cloth_gap.max(initial=LEAST_GAP)))
-        self._body, self._itself = None if body is None else BodyElements(*body), itself
+        self._body, self._itself = None if body is None else BodyElements(*body, cloth.spacing), itself
         self._spacing = cloth.spacing
         if self._body is None:
             self._surface = Surface(np.zeros((0, 3)), np.zeros((0, 3), np.int32), np.zeros((0, 7, 3)))
             self._tree, rise = Tree(np.zeros(0, np.int32), np.zeros((2, 6))), np.zeros(0)
         else:
-            self._surface, self._tree, rise = self._body.surface, self._body.face_tree, self._body.rise(cloth.spacing)
+            self._surface, self._tree, rise = self._body.surface, self._body.face_tree, self._body.rise
         cap = LARGEST_GAP * cloth.spacing
         self._largest = float(max(body_gap.max(initial=0.0), min(rise.max(initial=0.0), cap)))
         self._grip = Grip(body_gap, rise, np.array([cap]), self._body_friction)

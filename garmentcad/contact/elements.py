@@ -19,7 +19,7 @@ def unique_edges(triangles: np.ndarray) -> np.ndarray:
 
 def elements(nodes: np.ndarray, identity: np.ndarray) -> Elements:
     """Elements of points (N,), edges (N,2) or triangles (N,3), with the identity of their nodes (P,)."""
-    rows = nodes.reshape(len(nodes), -1)
+    rows = nodes[:, None] if nodes.ndim == 1 else nodes
     rows = indices(np.concatenate([rows, np.repeat(rows[:, -1:], 3 - rows.shape[1], axis=1)], axis=1))
     return Elements(rows, indices(identity[rows]))
 

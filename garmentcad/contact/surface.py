@@ -9,7 +9,7 @@ import numpy as np
 from garmentcad.arrays import floats, indices, unique_pairs
 from garmentcad.geometry.closest import EDGE, FACE
 
-_SMOOTHINGS = 3  # of the vertex curvature over the neighbours
+SMOOTHINGS = 3  # of the vertex curvature over the neighbours
 
 
 class Surface(NamedTuple):
@@ -41,7 +41,7 @@ def build_surface(vertices: np.ndarray, faces: np.ndarray) -> Surface:
     return Surface(vertices, faces, normals)
 
 
-def convex_curvature(surface: Surface) -> np.ndarray:
+def convex_curvature(surface: Surface, smoothings: int = SMOOTHINGS) -> np.ndarray:
     """(V,) 1/m: the largest normal curvature toward a neighbour where the body bulges (0 where it is flat or hollow), smoothed over neighbours."""
     vertices, faces = surface.vertices, surface.faces
     normals = np.zeros_like(vertices)
@@ -53,7 +53,7 @@ def convex_curvature(surface: Surface) -> np.ndarray:
     np.maximum.at(curvature, one, -2.0 * (normals[one] * apart).sum(axis=1) / square)
     np.maximum.at(curvature, other, 2.0 * (normals[other] * apart).sum(axis=1) / square)
     count = np.bincount(one, minlength=len(vertices)).clip(1)
-    for _ in range(_SMOOTHINGS):
+    for _ in range(smoothings):
         curvature = 0.5 * (curvature + np.bincount(one, curvature[other], len(vertices)) / count)
     return curvature
 

@@ -13,18 +13,16 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import prange
 
-from garmentcad.arrays import floats, indices, kernel, parallel_kernel
+from garmentcad.arrays import floats, indices, kernel
 from garmentcad.cloth.cloth import WARP, WEFT, BendLines
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.force import NO_PARTICLE, OneLaw
-from garmentcad.forces.rows import LatticeSlots
+from garmentcad.forces.rows import PART, LatticeSlots
 from garmentcad.forces.smooth import angle_over_sine
 
 SHORTEST = 1e-2  # arms shorter than this part of their rest length lose their force, so that it stays finite where an arm vanishes
 LEAST_SINE = 1e-9  # floor of sin(t): an arm folded flat onto the other has no plane to open in, and gets no force
-PART = 128  # lines that are computed together
 
 
 class BendElements(NamedTuple):
@@ -99,7 +97,7 @@ def _turn_arms(count, shortest_a, shortest_b, stiffness, arms):  # type: ignore[
 
 
 @kernel
-def _bend_part(part, lines, positions, out):  # type: ignore[no-untyped-def]
+def bend_part(part, lines, positions, out):  # type: ignore[no-untyped-def]
     first = part * PART
     count = min(len(lines.stiffness) - first, PART)
     arms = np.empty((6, PART))
@@ -115,11 +113,11 @@ def _bend_part(part, lines, positions, out):  # type: ignore[no-untyped-def]
             out[k + 3, axis], out[k + 4, axis] = weight_b * b - b, -weight_b * b
 
 
-@parallel_kernel
+@kernel
 def write_bend(lines, positions, velocities, out):  # type: ignore[no-untyped-def]
     """Forces on centre, arm a (two), arm b (two) of line i into out[5 i] to out[5 i + 4]."""
-    for part in prange(-(-len(lines.stiffness) // PART)):
-        _bend_part(np.int64(part), lines, positions, out)
+    for part in range(-(-len(lines.stiffness) // PART)):
+        bend_part(np.int64(part), lines, positions, out)
 
 
 class ForceBend(OneLaw):

@@ -15,20 +15,18 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import prange
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-from garmentcad.arrays import floats, indices, kernel, parallel_kernel, rows_by_key
+from garmentcad.arrays import floats, indices, kernel, rows_by_key
 from garmentcad.cloth.cloth import WARP, WEFT, BorderTriangles, Cloth
 from garmentcad.fabric.law_shear import shear
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.force import OneLaw
+from garmentcad.forces.rows import PART
 from garmentcad.forces.shear import SHORTEST, angle_and_lengths, shear_angle
 from garmentcad.forces.stretch import COEFFICIENTS, tension_coefficients, tension_force
 from garmentcad.forces.tension_curves import tension_at, tension_curves
-
-PART = 128  # triangles that are computed together
 
 
 class BorderParts(NamedTuple):
@@ -135,7 +133,7 @@ def _force_row(span, damping_time, parts, first, edges, directions, stresses):  
 
 
 @kernel
-def _border_part(part, parts, damping_time, positions, velocities, out):  # type: ignore[no-untyped-def]
+def border_part(part, parts, damping_time, positions, velocities, out):  # type: ignore[no-untyped-def]
     begin, end = np.int64(parts.first[part]), np.int64(parts.first[part + 1])
     begin_patch, end_patch = np.int64(parts.first_patch[part]), np.int64(parts.first_patch[part + 1])
     first = part * PART
@@ -161,11 +159,11 @@ def _border_part(part, parts, damping_time, positions, velocities, out):  # type
             out[k, axis], out[k + 1, axis], out[k + 2, axis] = -(b + c), b, c
 
 
-@parallel_kernel
+@kernel
 def write_border(parts, damping_time, positions, velocities, out):  # type: ignore[no-untyped-def]
     """Forces on the corners of triangle i into out[3 i] to out[3 i + 2]."""
-    for part in prange(len(parts.first) - 1):
-        _border_part(np.int64(part), parts, damping_time, positions, velocities, out)
+    for part in range(len(parts.first) - 1):
+        border_part(np.int64(part), parts, damping_time, positions, velocities, out)
 
 
 class ForceBorder(OneLaw):

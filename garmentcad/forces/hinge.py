@@ -14,15 +14,14 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import prange
 
-from garmentcad.arrays import indices, kernel, parallel_kernel
+from garmentcad.arrays import indices, kernel
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.fabric.material import MaterialTable, bending_along
 from garmentcad.forces.force import OneLaw
+from garmentcad.forces.rows import PART
 from garmentcad.forces.smooth import angle_over_sine
 
-PART = 128  # hinges that are computed together
 LEAST_LENGTH = 1e-15  # m, floor of an edge's length in divisions
 LEAST_AREA2 = 1e-30  # m4, floor of squared normals: a wing on the sew line has no plane, and gets no force
 
@@ -72,7 +71,7 @@ def _fold(count, stiffness, rest_angle, wings):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _hinge_part(part, hinges, positions, out):  # type: ignore[no-untyped-def]
+def hinge_part(part, hinges, positions, out):  # type: ignore[no-untyped-def]
     first = part * PART
     count = min(len(hinges.stiffness) - first, PART)
     wings = np.empty((9, PART))
@@ -85,11 +84,11 @@ def _hinge_part(part, hinges, positions, out):  # type: ignore[no-untyped-def]
             out[k, axis], out[k + 1, axis], out[k + 2, axis], out[k + 3, axis] = -(end + (a + b)), end, a, b
 
 
-@parallel_kernel
+@kernel
 def write_hinge(hinges, positions, velocities, out):  # type: ignore[no-untyped-def]
     """Forces on edge start, edge end, wing a, wing b of hinge i into out[4 i] to out[4 i + 3]."""
-    for part in prange(-(-len(hinges.stiffness) // PART)):
-        _hinge_part(np.int64(part), hinges, positions, out)
+    for part in range(-(-len(hinges.stiffness) // PART)):
+        hinge_part(np.int64(part), hinges, positions, out)
 
 
 class ForceHinge(OneLaw):

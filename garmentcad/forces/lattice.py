@@ -6,9 +6,8 @@ from typing import Any
 
 import numba
 import numpy as np
-from numba import prange
 
-from garmentcad.arrays import indices, kernel, parallel_kernel
+from garmentcad.arrays import indices, kernel
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.bend import ForceBend, bend_row
@@ -68,7 +67,7 @@ def _store(first, count, total, out):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _block(k, blocks, coefficients, setting, positions, velocities, rooms, out):  # type: ignore[no-untyped-def]
+def lattice_block(k, blocks, coefficients, setting, positions, velocities, rooms, out):  # type: ignore[no-untyped-def]
     room = rooms[numba.get_thread_id()]
     first, size, up = np.int64(blocks.first[k]), np.int64(blocks.size[k]), np.int64(blocks.columns[k])
     beside = np.int64(1)  # a literal would make the row kernels compile for a type of its own
@@ -99,11 +98,11 @@ def _block(k, blocks, coefficients, setting, positions, velocities, rooms, out):
     _store(first - origin, size, motion, out.reshape(-1)[3 * first :])
 
 
-@parallel_kernel
+@kernel
 def write_lattice(blocks, coefficients, setting, rooms, positions, velocities, out):  # type: ignore[no-untyped-def]
     """Force on the particle of each slot into out (S,3); setting: h [m], damping time [s]; rooms (threads,34,R): scratch of each thread."""
-    for k in prange(len(blocks.first)):
-        _block(np.int64(k), blocks, coefficients, setting, positions, velocities, rooms, out)  # a cast, or it compiles for each of two types of k
+    for k in range(len(blocks.first)):
+        lattice_block(np.int64(k), blocks, coefficients, setting, positions, velocities, rooms, out)  # a cast, or it compiles for each of two types of k
 
 
 class ForceLattice:

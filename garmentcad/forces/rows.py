@@ -20,6 +20,7 @@ from garmentcad.cloth.cloth import WARP, WEFT, Cloth
 from garmentcad.forces.force import NO_PARTICLE
 
 BLOCK = 1536  # slots of a block, about: so many that what is computed twice at its ends does not count, so few that its fields stay in a near cache
+PART = 128  # border triangles, contour lines, spans or hinges that are computed together
 LANES = 8  # numbers in the widest registers: loops begin at multiples of it
 
 

@@ -13,12 +13,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import prange
 
-from garmentcad.arrays import CHUNKS, chunk_range, indices, kernel, parallel_kernel
+from garmentcad.arrays import indices, kernel
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.fabric.material import MaterialTable, bending_along
 from garmentcad.forces.force import OneLaw
+from garmentcad.forces.rows import PART
 
 
 class SpanElements(NamedTuple):
@@ -28,9 +28,9 @@ class SpanElements(NamedTuple):
 
 
 @kernel
-def _span_of(items, spans, positions, out):  # type: ignore[no-untyped-def]
-    x = positions
-    for i in range(items[0], items[1]):
+def span_part(part, spans, positions, out):  # type: ignore[no-untyped-def]
+    x, first = positions, part * PART
+    for i in range(first, min(len(spans.stiffness), first + PART)):
         a, b, c, d = spans.corners[i, 0], spans.corners[i, 1], spans.corners[i, 2], spans.corners[i, 3]
         ca, cb, cc, cd = spans.coefficients[i, 0], spans.coefficients[i, 1], spans.coefficients[i, 2], spans.coefficients[i, 3]
         scale = -spans.stiffness[i]
@@ -40,11 +40,11 @@ def _span_of(items, spans, positions, out):  # type: ignore[no-untyped-def]
             out[4 * i, axis], out[4 * i + 1, axis], out[4 * i + 2, axis], out[4 * i + 3, axis] = ca * pull, cb * pull, cc * pull, cd * pull
 
 
-@parallel_kernel
+@kernel
 def write_span(spans, positions, velocities, out):  # type: ignore[no-untyped-def]
     """Forces on the corners of span i into out[4 i] to out[4 i + 3]."""
-    for chunk in prange(CHUNKS):
-        _span_of(chunk_range(np.int64(chunk), len(spans.stiffness)), spans, positions, out)
+    for part in range(-(-len(spans.stiffness) // PART)):
+        span_part(np.int64(part), spans, positions, out)
 
 
 class ForceSpan(OneLaw):

@@ -7,7 +7,7 @@ import time
 
 import numpy as np
 
-from garmentcad.arrays import floats
+from garmentcad.arrays import floats, threads_apart
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.state import State
 from garmentcad.constraints.points import ConstraintPoints, no_bonds
@@ -22,7 +22,7 @@ from garmentcad.solve.strain_limit import StrainLimit
 # Steps between two looks at the stiffness; tangents change slowly at this scale.
 STEPS_PER_ESTIMATE = 96
 # Way, in lattice spacings, that no particle has exceeded since the last look at the stiffness: strains are what they were.
-_STILL = 2e-3
+_STILL = 5e-3
 # No particle of a garment moves faster on purpose; a faster one is a sign of a diverging run.
 RUNAWAY_M_S = 30.0
 
@@ -131,7 +131,8 @@ class Dynamics:
         while state.step < end:
             self.estimate_time_step(state)
             self.contact.refresh(state)
-            self._stretch(state, min(STEPS_PER_ESTIMATE, end - state.step))
+            with threads_apart():
+                self._stretch(state, min(STEPS_PER_ESTIMATE, end - state.step))
 
     def correct_velocities(self, state: State) -> None:
         """The velocity half of a step of `state.time_step_s`: forces, constraints, strain limiting, contact."""
