@@ -10,7 +10,7 @@ from garmentcad.cloth.lattice import build_cloth
 from garmentcad.cloth.weld import weld
 from garmentcad.simulation.job import make_job
 from garmentcad.simulation.materials import lay_out
-from garmentcad.simulation.refine import refine_positions
+from garmentcad.simulation.refine import refined
 from garmentcad.units import MM_TO_M
 
 JOB = make_job("flared-skirt", grid_mm=20.0)
@@ -26,15 +26,15 @@ def test_an_affine_shape_is_kept() -> None:
     def mapped(cloth: Cloth) -> np.ndarray:
         return np.einsum("nk,nkx->nx", cloth.vertex_uv_mm * MM_TO_M, maps[cloth.vertex_panel]) + shifts[cloth.vertex_panel]
 
-    np.testing.assert_allclose(refine_positions(COARSE, mapped(COARSE), FINE), mapped(FINE), atol=1e-12)
+    np.testing.assert_allclose(refined(COARSE, mapped(COARSE), FINE), mapped(FINE), atol=1e-12)
 
 
 def test_welded_vertices_share_one_place() -> None:
     welded, particle_map = weld(FINE)
     rng = np.random.default_rng(1)
     positions = rng.normal(size=(COARSE.particle_count, 3))
-    apart = refine_positions(COARSE, positions, FINE)
-    together = refine_positions(COARSE, positions, welded)
+    apart = refined(COARSE, positions, FINE)
+    together = refined(COARSE, positions, welded)
     seam = np.bincount(particle_map) > 1
     assert seam.sum() > 50
     for particle in np.flatnonzero(seam):
@@ -49,7 +49,7 @@ def test_links_keep_their_lengths_on_a_cylinder() -> None:
     turn = COARSE.spacing / radius
     stretch = 0.5 * turn / np.sin(0.5 * turn)  # a chord of this cylinder is as long as the spacing
     places = np.column_stack([stretch * radius * np.sin(angle), uv[:, 1], stretch * radius * np.cos(angle)])
-    found = refine_positions(COARSE, places, FINE)
+    found = refined(COARSE, places, FINE)
     ends = FINE.links.ends
     strain = np.linalg.norm(found[ends[:, 1]] - found[ends[:, 0]], axis=1) / FINE.links.rest_length - 1.0
     assert np.median(np.abs(strain)) < 1e-6

@@ -24,6 +24,7 @@ CLOSING_DRAG = 12.0  # 1/s
 CLOSING_CAP_S = 4.0
 FALL_DRAG = 3.0
 FALL_S = 1.5
+COARSE_FALL_S = 1.0  # of it on coarse lattices; small folds form on the fine one, while tension is soft and they pass each other
 # While seams close and cloth falls, tension is softened: the time step grows by the root of it, and the shape that counts is found afterwards at
 # true stiffness.
 SOFTNESS = 8.0
@@ -82,12 +83,12 @@ class Course:
     """Runs the phases after sewing on welded cloth, and looks every STEPS_PER_LOOK steps. All that decides lies in `state`: a resumed run decides alike.
 
     forces_at(softness): the forces with tension divided by softness. max_time_s: cap on simulated time.
-    enough_g: a residual that is rest enough, for a lattice that will be refined (None: the full test).
+    last: whether this is the lattice of the job; on a coarser one the course is over when most of the fall is.
     mode: 'drape' (equalised masses, damping of fall and settle) or 'dynamics' (true masses, light damping).
     """
 
-    def __init__(self, dynamics: Dynamics, forces_at: Callable[[float], ForceAssembly], mode: str, max_time_s: float, enough_g: float | None = None) -> None:
-        self.dynamics, self.forces_at, self.mode, self.max_time_s, self.enough_g = dynamics, forces_at, mode, max_time_s, enough_g
+    def __init__(self, dynamics: Dynamics, forces_at: Callable[[float], ForceAssembly], mode: str, max_time_s: float, last: bool = True) -> None:
+        self.dynamics, self.forces_at, self.mode, self.max_time_s, self.is_last = dynamics, forces_at, mode, max_time_s, last
         self._patch = patches(dynamics.cloth)
         self.last: Residual | None = None
 
@@ -129,16 +130,15 @@ class Course:
         _, _, rms = self.dynamics.measures(state)
         left: Residual | None = None
         if state.phase == "fall":
-            if state.time_s - state.run["phase_from_s"] >= FALL_S:
+            if not self.is_last and state.time_s - state.run["phase_from_s"] >= COARSE_FALL_S:
+                state.phase = "rest"
+            elif state.time_s - state.run["phase_from_s"] >= FALL_S:
                 self._enter(state, "settle")
         elif state.phase == "settle":
             left = self.last = residual(self.dynamics, state, self._patch)
             frequency = left.rms_g * GRAVITY_M_S2 / max(rms, 1e-9)
             state.run["settle_drag"] = min(max(SETTLE_SHARE * frequency, SETTLE_DRAG), SETTLE_MOST)
-            if self.enough_g is not None:
-                if left.rms_g < self.enough_g:
-                    self._enter(state, "rest")
-            elif left.rms_g < READY * RESIDUAL_G and left.worst_patch_g < READY * PATCH_RESIDUAL_G:
+            if left.rms_g < READY * RESIDUAL_G and left.worst_patch_g < READY * PATCH_RESIDUAL_G:
                 self._enter(state, "watch")
                 state.run["watched"] = 1.0
                 state.run["watch_from_s"] = state.time_s

@@ -14,12 +14,13 @@ from garmentcad.cloth.cloth import Cloth
 _NEAREST = 16  # triangles around a point among which the one that holds it is looked for
 
 
-def refine_positions(coarse: Cloth, positions: np.ndarray, fine: Cloth) -> np.ndarray:
-    """Positions (P,3) of the particles of `fine` on the coarse cloth at `positions`; where several vertices became one particle, their mean.
+def refined(coarse: Cloth, values: np.ndarray, fine: Cloth) -> np.ndarray:
+    """Values (P,N) at the particles of `fine`, such as positions, from those at the particles of `coarse`; where several vertices became one particle,
+    their mean.
 
     Vertices of a convex contour lie outside the chords of the coarse one: they continue its triangles.
     """
-    found = np.empty((len(fine.vertex_panel), 3))
+    found = np.empty((len(fine.vertex_panel), values.shape[1]))
     triangle_panel = coarse.vertex_panel[coarse.triangles[:, 0]]
     for panel in range(len(coarse.panel_names)):
         mine, triangles = np.flatnonzero(fine.vertex_panel == panel), coarse.triangles[triangle_panel == panel]
@@ -29,10 +30,10 @@ def refine_positions(coarse: Cloth, positions: np.ndarray, fine: Cloth) -> np.nd
         weights = _barycentric(points[:, None, :], corners[near])
         best = np.argmax(weights.min(axis=2), axis=1)
         rows = np.arange(len(points))
-        at = positions[coarse.vertex_particle[triangles[near[rows, best]]]]
+        at = values[coarse.vertex_particle[triangles[near[rows, best]]]]
         found[mine] = np.einsum("nk,nkx->nx", weights[rows, best], at)
     count = np.bincount(fine.vertex_particle, minlength=fine.particle_count)
-    return np.column_stack([np.bincount(fine.vertex_particle, found[:, axis], fine.particle_count) / count for axis in range(3)])
+    return np.column_stack([np.bincount(fine.vertex_particle, found[:, axis], fine.particle_count) / count for axis in range(values.shape[1])])
 
 
 def _barycentric(points: np.ndarray, corners: np.ndarray) -> np.ndarray:

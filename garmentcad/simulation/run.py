@@ -27,10 +27,10 @@ from garmentcad.forces.internal import internal_forces
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.placement.place import place_vertices
 from garmentcad.simulation.checkpoint import load_state, save_state
-from garmentcad.simulation.course import SETTLE_MOST, SOFTNESS, Course, Progress
+from garmentcad.simulation.course import SOFTNESS, Course, Progress
 from garmentcad.simulation.job import Job
 from garmentcad.simulation.materials import lay_out
-from garmentcad.simulation.refine import refine_positions
+from garmentcad.simulation.refine import refined
 from garmentcad.simulation.sewing import Welding, close_seams, weld_state
 from garmentcad.simulation.start import refuse_tangled
 from garmentcad.solve.dynamics import DivergedError, Dynamics, IntersectingError
@@ -42,7 +42,6 @@ MAX_PARTICLES = 1_000_000
 CHECKPOINT_EVERY_S = 20.0
 COARSEST_MM = 25.0
 UNREFINED = "unrefined"  # in State.run: the garment was sewn on the lattice of the job
-COARSE_RESIDUAL_G = 5e-3  # left on a coarse lattice: the finer one shifts by more than what would still move
 
 
 class Interrupted(GarmentError):
@@ -138,7 +137,7 @@ class _Run:
                 dynamics.start(self.state)
             self._begin(dynamics)
             last = level == len(grids) - 1
-            course = Course(dynamics, forces_at, self.job.mode, self.job.max_time_s, None if last else COARSE_RESIDUAL_G)
+            course = Course(dynamics, forces_at, self.job.mode, self.job.max_time_s, last)
             try:
                 status = course.run(self.state, self.keep)
             except (DivergedError, IntersectingError) as error:
@@ -191,15 +190,15 @@ class _Run:
 
 
 def _refined_state(coarse: Cloth, state: State, fine: Cloth, level: int, mannequin: Mannequin) -> State:
-    """The garment of a coarse lattice on a finer one, at rest. RefinementError where that would cross itself or the mannequin."""
-    positions = refine_positions(coarse, state.positions, fine)
+    """The garment of a coarse lattice on a finer one, in the same motion. RefinementError where that would cross itself or the mannequin."""
+    both = refined(coarse, np.hstack([state.positions, state.velocities]), fine)
+    positions, velocities = np.ascontiguousarray(both[:, :3]), np.ascontiguousarray(both[:, 3:])
     crossings = len(crossing_triangle_pairs(positions, fine.particle_triangles))
     crossings += len(crossing_triangle_pairs_between(positions, fine.particle_triangles, mannequin.vertices, mannequin.faces))
     if crossings:
         raise RefinementError(f"the drape on {1e3 * coarse.spacing:g} mm crosses itself in {crossings} places on {1e3 * fine.spacing:g} mm: draped anew there")
     kept = {key: value for key, value in state.run.items() if key not in ("watched", "step_factor")}
-    run = kept | {"level": float(level), "phase_from_s": state.time_s, "settle_drag": SETTLE_MOST}
-    return State(positions, np.zeros_like(positions), state.time_s, state.step, phase="settle", run=run, work_j=dict(state.work_j))
+    return State(positions, velocities, state.time_s, state.step, phase="fall", run=kept | {"level": float(level)}, work_j=dict(state.work_j))
 
 
 def _dynamics(job: Job, cloth: Cloth, materials: MaterialTable, sewing: bool) -> tuple[Dynamics, Callable[[float], ForceAssembly]]:
