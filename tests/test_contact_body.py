@@ -12,7 +12,7 @@ from loose_sheet import Sheet, correct, crosses_body, fabric, least_distance
 
 from garmentcad.contact.body import CLEARANCE
 from garmentcad.contact.contact import Contact
-from garmentcad.contact.surface import build_surface, convex_curvature
+from garmentcad.contact.surface import build_surface, bulge, convex_curvature
 
 DT = 1.5e-4
 
@@ -165,3 +165,15 @@ def test_curvature_of_a_ball_a_cylinder_and_a_box_face() -> None:
     assert curvature.max() > 4.0  # its edges
     hollow = convex_curvature(build_surface(vertices, faces[:, ::-1]))
     np.testing.assert_allclose(hollow, 0.0, atol=1e-9)
+
+
+def test_bulge_of_a_ball_a_box_and_a_needle() -> None:
+    """How far the surface drops at a distance: r^2/(2 R) on a ball; r sin of the slope from an edge, a corner or a tip, however long the sides are."""
+    vertices, faces = ball(0.08, 4)
+    np.testing.assert_allclose(bulge(build_surface(vertices, faces), 0.007), 0.007**2 / (2 * 0.08), rtol=0.05)
+    box = trimesh.creation.box(extents=(1, 1, 1))
+    corners = bulge(build_surface(np.asarray(box.vertices), np.asarray(box.faces)), 0.007)
+    assert (corners > 0.5 * 0.007).all()
+    needle = trimesh.creation.cone(radius=0.012, height=0.05, sections=12)
+    tip = bulge(build_surface(np.asarray(needle.vertices), np.asarray(needle.faces)), 0.007)[np.argmax(needle.vertices[:, 2])]
+    assert tip == pytest.approx(0.007 * 0.05 / np.hypot(0.05, 0.012), rel=1e-3)

@@ -98,5 +98,7 @@ def test_a_garment_without_seams_has_no_rows() -> None:
     constraint = ConstraintPoints(stitch_rows(np.zeros((0, 2), dtype=np.int32), ()), np.ones(3), rate=10.0)
     assert constraint.gaps(np.ones((3, 3))).shape == (0, 3)
     v = np.ones((3, 3))
-    constraint.correct(v, constraint.next_speeds(np.ones((3, 3)), np.zeros((0, 3)), 1e-4), 1e-4)
+    bonds = constraint.bonds(np.zeros((0, 3)))
+    demand_speeds(bonds, np.ones((3, 3)), 1e-4)
+    correct_speeds(bonds, 1e-4, v)
     assert np.array_equal(v, np.ones((3, 3)))

@@ -102,19 +102,19 @@ def _print_result(report: dict, written: object, compile_s: float, total_s: floa
 
 
 class ProgressLine:
-    """One line on the terminal that is written over; where the output is no terminal, a line every five seconds."""
+    """One line on the terminal that is written over; where the output is no terminal, a line every five seconds and at each new phase."""
 
     def __init__(self, silent: bool) -> None:
         self._silent, self._terminal = silent, sys.stderr.isatty()
-        self._last = 0.0
+        self._last, self._phase = 0.0, ""
         self._began = time.perf_counter()
         self._rate = 0.0
 
     def show(self, progress: Progress) -> None:
         now = time.perf_counter()
-        if self._silent or now - self._last < (0.2 if self._terminal else 5.0):
+        if self._silent or (progress.phase == self._phase and now - self._last < (0.2 if self._terminal else 5.0)):
             return
-        self._last = now
+        self._last, self._phase = now, progress.phase
         parts = [f"{progress.phase:6}", f"step {progress.step}", f"{progress.time_s:.2f} s"]
         if progress.gap_mm is not None:
             parts.append(f"seams open {progress.gap_mm:.1f} mm")

@@ -11,7 +11,7 @@ import numpy as np
 from garmentcad.contact.bvh import EDGE_EDGE, TRIANGLE_POINT, fitted_tree, near_pairs
 from garmentcad.contact.cloth import ClothElements
 from garmentcad.contact.elements import LEAST_GAP, elements, unique_edges
-from garmentcad.contact.surface import build_surface, convex_curvature
+from garmentcad.contact.surface import build_surface, bulge, convex_curvature
 
 CLEARANCE = 0.6e-3  # m, what a flat triangle keeps above the body's curve between its particles
 LARGEST_GAP = 0.4  # of the lattice spacing
@@ -32,7 +32,7 @@ class BodyElements:
         self.rise = CLEARANCE + 0.25 * spacing**2 * convex_curvature(self.surface)
         kept = np.maximum(np.minimum(self.rise, self.largest_gap), LEAST_GAP)
         # Twice the element gap stays between a triangle at its particles' gap and the bulge, or the vertex is looked at by itself.
-        sharp = 0.25 * spacing**2 * convex_curvature(self.surface, smoothings=0) > kept - 2.0 * ELEMENT_GAP
+        sharp = bulge(self.surface, spacing / np.sqrt(2.0)) > kept - 2.0 * ELEMENT_GAP
         edges = unique_edges(self.surface.faces)
         numbers = np.arange(count)
         self.face_tree = fitted_tree(elements(self.surface.faces, numbers), self.surface.vertices)

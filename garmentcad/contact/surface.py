@@ -9,7 +9,7 @@ import numpy as np
 from garmentcad.arrays import floats, indices, unique_pairs
 from garmentcad.geometry.closest import EDGE, FACE
 
-SMOOTHINGS = 3  # of the vertex curvature over the neighbours
+_SMOOTHINGS = 3  # of the vertex curvature over the neighbours
 
 
 class Surface(NamedTuple):
@@ -41,21 +41,35 @@ def build_surface(vertices: np.ndarray, faces: np.ndarray) -> Surface:
     return Surface(vertices, faces, normals)
 
 
-def convex_curvature(surface: Surface, smoothings: int = SMOOTHINGS) -> np.ndarray:
+def convex_curvature(surface: Surface) -> np.ndarray:
     """(V,) 1/m: the largest normal curvature toward a neighbour where the body bulges (0 where it is flat or hollow), smoothed over neighbours."""
+    one, other, drop, length = _drops(surface)
+    curvature = np.zeros(len(surface.vertices))
+    np.maximum.at(curvature, one, 2.0 * drop / length**2)
+    count = np.bincount(one, minlength=len(curvature)).clip(1)
+    for _ in range(_SMOOTHINGS):
+        curvature = 0.5 * (curvature + np.bincount(one, curvature[other], len(curvature)) / count)
+    return curvature
+
+
+def bulge(surface: Surface, radius: float) -> np.ndarray:
+    """(V,) m: how far the surface drops below the tangent plane of each vertex at a distance `radius`, toward the neighbour where it drops most: along an edge
+    that is longer than that in proportion, along shorter ones as a parabola goes on."""
+    one, _, drop, length = _drops(surface)
+    found = np.zeros(len(surface.vertices))
+    np.maximum.at(found, one, drop * np.where(length < radius, (radius / length) ** 2, radius / length))
+    return found
+
+
+def _drops(surface: Surface) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Both ways along all sides of faces: from vertex, to vertex, drop below the tangent plane of the first, length."""
     vertices, faces = surface.vertices, surface.faces
     normals = np.zeros_like(vertices)
     normals[faces.ravel()] = surface.normals[:, :EDGE].reshape(-1, 3)
     one, other = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    one, other = np.concatenate([one, other]), np.concatenate([other, one])
     apart = vertices[other] - vertices[one]
-    square = np.maximum((apart * apart).sum(axis=1), 1e-18)
-    curvature = np.zeros(len(vertices))
-    np.maximum.at(curvature, one, -2.0 * (normals[one] * apart).sum(axis=1) / square)
-    np.maximum.at(curvature, other, 2.0 * (normals[other] * apart).sum(axis=1) / square)
-    count = np.bincount(one, minlength=len(vertices)).clip(1)
-    for _ in range(smoothings):
-        curvature = 0.5 * (curvature + np.bincount(one, curvature[other], len(vertices)) / count)
-    return curvature
+    return one, other, -(normals[one] * apart).sum(axis=1), np.maximum(np.linalg.norm(apart, axis=1), 1e-9)
 
 
 def _sums(places: np.ndarray, vectors: np.ndarray, count: int) -> np.ndarray:
