@@ -170,7 +170,9 @@ def test_curvature_of_a_ball_a_cylinder_and_a_box_face() -> None:
 def test_bulge_of_a_ball_a_box_and_a_needle() -> None:
     """How far the surface drops at a distance: r^2/(2 R) on a ball; r sin of the slope from an edge, a corner or a tip, however long the sides are."""
     vertices, faces = ball(0.08, 4)
-    np.testing.assert_allclose(bulge(build_surface(vertices, faces), 0.007), 0.007**2 / (2 * 0.08), rtol=0.05)
+    found = bulge(build_surface(vertices, faces), 0.007)
+    np.testing.assert_allclose(found, 0.007**2 / (2 * 0.08), rtol=0.07)  # normals at vertices of a polyhedron lean a little
+    assert found.min() > 0.007**2 / (2 * 0.08) * (1 - 1e-9)  # never less
     box = trimesh.creation.box(extents=(1, 1, 1))
     corners = bulge(build_surface(np.asarray(box.vertices), np.asarray(box.faces)), 0.007)
     assert (corners > 0.5 * 0.007).all()
