@@ -141,6 +141,33 @@ def _push(nodes, weights, impulse, planes, motion):  # type: ignore[no-untyped-d
 
 
 @kernel
+def _enter(nodes, planes, motion, free):  # type: ignore[no-untyped-def]
+    """Begin with the four nodes of a pair: their velocities so far are free of planes."""
+    positions, velocities, _, time_step = motion
+    for corner in range(4):
+        node = nodes[corner]
+        if node < len(planes.held) and planes.held[node] > 0:
+            v = allowed(planes, node, row(positions, node), row(free, node), time_step)
+            velocities[node, 0], velocities[node, 1], velocities[node, 2] = v
+
+
+@kernel
+def _impel(nodes, weights, impulse, planes, motion, free):  # type: ignore[no-untyped-def]
+    """Impulse on the four nodes of a pair. What planes take is no impulse of the pair: it comes back when the pair presses less. So it is taken anew from the
+    velocity without it, `free`."""
+    positions, velocities, inverse_masses, time_step = motion
+    for corner in range(4):
+        node = nodes[corner]
+        if inverse_masses[node] == 0.0:
+            continue
+        u = along(row(free, node), impulse, weights[corner] * inverse_masses[node])
+        free[node, 0], free[node, 1], free[node, 2] = u
+        if planes.held[node] > 0:
+            u = allowed(planes, node, row(positions, node), u, time_step)
+        velocities[node, 0], velocities[node, 1], velocities[node, 2] = u
+
+
+@kernel
 def _give(nodes, weights, inverse_masses):  # type: ignore[no-untyped-def]
     """Change of the relative velocity for a unit impulse, 1/kg."""
     give = 0.0
@@ -157,6 +184,10 @@ def _solve(count, pairs, stand, planes, motion):  # type: ignore[no-untyped-def]
     """
     _, velocities, inverse_masses, time_step = motion
     chosen, many = stand.chosen, 0
+    free = velocities[: len(planes.held)].copy()
+    for n in range(count):
+        if stand.active[n]:
+            _enter(_row4(pairs.nodes, n), planes, motion, free)
     for n in range(count):
         if stand.active[n] and _give(_row4(pairs.nodes, n), _row4(stand.weights, n), inverse_masses) > 0.0:
             chosen[many] = n
@@ -166,7 +197,7 @@ def _solve(count, pairs, stand, planes, motion):  # type: ignore[no-untyped-def]
             slide = (held[1], held[2], held[3])
             slide = along(slide, normal, -dot(slide, normal))
             pairs.impulse[n, 1], pairs.impulse[n, 2], pairs.impulse[n, 3] = slide
-            _push(_row4(pairs.nodes, n), _row4(stand.weights, n), along(slide, normal, held[0]), planes, motion)
+            _impel(_row4(pairs.nodes, n), _row4(stand.weights, n), along(slide, normal, held[0]), planes, motion, free)
         else:
             pairs.impulse[n, 0] = pairs.impulse[n, 1] = pairs.impulse[n, 2] = pairs.impulse[n, 3] = 0.0
     for _ in range(_SWEEPS if many > 0 else 0):
@@ -194,7 +225,7 @@ def _solve(count, pairs, stand, planes, motion):  # type: ignore[no-untyped-def]
             pairs.impulse[n, 1], pairs.impulse[n, 2], pairs.impulse[n, 3] = goal
             change = along(change, normal, step)
             if dot(change, change) > 0.0:
-                _push(nodes, weights, change, planes, motion)
+                _impel(nodes, weights, change, planes, motion, free)
                 largest = max(largest, math.sqrt(dot(change, change)) * give)
         if largest < _SETTLED:
             break
@@ -203,6 +234,8 @@ def _solve(count, pairs, stand, planes, motion):  # type: ignore[no-untyped-def]
         n = chosen[c]
         p, q, r, s = _four(velocities, _row4(pairs.nodes, n))
         work += dot((pairs.impulse[n, 1], pairs.impulse[n, 2], pairs.impulse[n, 3]), combined(_row4(stand.weights, n), p, q, r, s))
+    # The planes' own response follows, with their friction: it needs the velocities with which particles press on the body.
+    velocities[: len(free)] = free
     return work
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import signal
 import time
 from collections.abc import Callable, Iterator
@@ -39,7 +40,7 @@ from garmentcad.units import MM_TO_M
 
 JITTER_M = 1e-5  # of the start, so that no fold is decided by round-off
 MAX_PARTICLES = 1_000_000
-CHECKPOINT_EVERY_S = 20.0
+CHECKPOINT_EVERY_S = 5.0
 COARSEST_MM = 25.0
 UNREFINED = "unrefined"  # in State.run: the garment was sewn on the lattice of the job
 
@@ -229,7 +230,7 @@ class _Keeper:
 
     def __init__(self, job: Job, path: Path | None, look: Callable[[Progress], None], stopped: list[int]) -> None:
         self._job, self._path, self._look, self._stopped = job, path, look, stopped
-        self._saved = time.perf_counter()
+        self._saved = -math.inf  # the first look saves: whatever stops the run later, it can be resumed
         self.state: State | None = None
 
     def __call__(self, progress: Progress) -> None:
