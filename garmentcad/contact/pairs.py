@@ -17,7 +17,7 @@ import numpy as np
 from numba import prange
 
 from garmentcad.arrays import CHUNKS, chunk_range, indices, kernel, parallel_kernel
-from garmentcad.contact.planes import CLOSED, PUSH_SPEED, PUSH_TIME, allowed
+from garmentcad.contact.planes import allowed, demanded
 from garmentcad.geometry.closest import FACE, along, cross, dot, minus, point_triangle, row, segment_segment, unit
 
 VERTEX_TRIANGLE, EDGE_EDGE = 0, 1
@@ -210,7 +210,7 @@ def _solve(count, pairs, stand, planes, motion):  # type: ignore[no-untyped-def]
             p, q, r, s = _four(velocities, nodes)
             speed = combined(weights, p, q, r, s)
             room = stand.distance[n] - pairs.gap[n]
-            wanted = min(0.0, CLOSED - room) / time_step if room > 0.0 else min(PUSH_SPEED, -room / max(PUSH_TIME, time_step))
+            wanted = demanded(room, time_step)
             before = pairs.impulse[n, 0]
             pairs.impulse[n, 0] = max(0.0, before + (wanted - dot(speed, normal)) / give)
             step = pairs.impulse[n, 0] - before

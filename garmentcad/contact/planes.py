@@ -23,7 +23,7 @@ from garmentcad.geometry.closest import along, cross, distance_between, dot, min
 
 PUSH_SPEED = 0.25  # m/s, fastest separation of what stands below its gap
 PUSH_TIME = 5e-3  # s, time constant of that separation
-# m: this close to its gap a contact is closed. Without it what rests on something may still approach by the room that is left, a fraction of a micrometre
+# m: this close to its gap, on either side, a contact is closed. Without it what rests on something may still approach by the room that is left, a fraction of a micrometre
 # in a step of some 10 us, which looks like several g.
 CLOSED = 2e-6
 MARGIN = 0.5e-3  # m, way that one look covers at least
@@ -169,6 +169,35 @@ def _cone(v, slide, limit):  # type: ignore[no-untyped-def]
 
 
 @kernel
+def demanded(room, time_step):  # type: ignore[no-untyped-def]
+    """Least speed of separation, m/s, for a contact with this room, m: negative while it may still approach, positive where it stands below its gap."""
+    if room > CLOSED:
+        return (CLOSED - room) / time_step
+    return min(PUSH_SPEED, max(0.0, -CLOSED - room) / max(PUSH_TIME, time_step))
+
+
+@kernel
+def _on_one(v, n, least, mu):  # type: ignore[no-untyped-def]
+    """v with at least the speed `least` along n, with friction and without."""
+    press = max(0.0, least - dot(v, n))
+    v = along(v, n, press)
+    return _cone(v, along(v, n, -dot(v, n)), mu * press), v
+
+
+@kernel
+def _on_both(v, n1, n2, least1, least2, mu):  # type: ignore[no-untyped-def]
+    """v with both speeds, with friction along the line of the two planes and without."""
+    lean = dot(n1, n2)
+    need1, need2 = least1 - dot(v, n1), least2 - dot(v, n2)
+    det = max(1.0 - lean * lean, 1e-3)
+    press1, press2 = max(0.0, (need1 - lean * need2) / det), max(0.0, (need2 - lean * need1) / det)
+    v = along(along(v, n1, press1), n2, press2)
+    line = unit(cross(n1, n2))
+    speed = dot(v, line)
+    return _cone(v, (speed * line[0], speed * line[1], speed * line[2]), mu * (press1 + press2)), v
+
+
+@kernel
 def _hold(p, planes, mu, x, v, time_step):  # type: ignore[no-untyped-def]
     """Velocity of particle p that its planes allow, and the part of it that friction took."""
     n1, room1 = rooms(planes, p, 0, x)
@@ -176,36 +205,19 @@ def _hold(p, planes, mu, x, v, time_step):  # type: ignore[no-untyped-def]
     if planes.held[p] > 1:
         n2, room2 = rooms(planes, p, 1, x)
     # Speeds along the normals that the gap demands in this step; what is below the gap already is pushed out afterwards, without friction.
-    least1, least2 = min(0.0, (CLOSED - room1) / time_step), min(0.0, (CLOSED - room2) / time_step)
+    least1, least2 = min(0.0, demanded(room1, time_step)), min(0.0, demanded(room2, time_step))
+    # One plane holds alone if with its friction the other is not reached; only a closed plane may press, or the place of rest would depend on the time step.
     before = v
-    press1 = max(0.0, least1 - dot(v, n1))
-    v = along(v, n1, press1)
-    press2 = 0.0
-    if room2 < math.inf:
-        lean = dot(n1, n2)
-        press2 = max(0.0, least2 - dot(v, n2))
-        if press2 > 0.0 and dot(v, n1) + press2 * lean < least1 and lean > -0.99:
-            # Both hold: solve for the two pushes together.
-            need1, need2 = least1 - dot(before, n1), least2 - dot(before, n2)
-            det = 1.0 - lean * lean
-            press1, press2 = max(0.0, (need1 - lean * need2) / det), max(0.0, (need2 - lean * need1) / det)
-            v = along(along(before, n1, press1), n2, press2)
-        else:
-            v = along(v, n2, press2)
-    pressed = v
-    if press2 == 0.0 and press1 > 0.0:
-        v = _cone(v, along(v, n1, -dot(v, n1)), mu * press1)
-    elif press1 == 0.0 and press2 > 0.0:
-        v = _cone(v, along(v, n2, -dot(v, n2)), mu * press2)
-    elif press1 > 0.0:
-        line = unit(cross(n1, n2))
-        speed = dot(v, line)
-        v = _cone(v, (speed * line[0], speed * line[1], speed * line[2]), mu * (press1 + press2))
+    v, pressed = _on_one(before, n1, least1, mu)
+    if dot(v, n2) < least2:
+        v, pressed = _on_one(before, n2, least2, mu)
+        if dot(v, n1) < least1:
+            v, pressed = _on_both(before, n1, n2, least1, least2, mu)
     lost = minus(v, pressed)
-    if room2 < 0.0:
-        v = along(v, n2, max(0.0, min(PUSH_SPEED, -room2 / max(PUSH_TIME, time_step)) - dot(v, n2)))
-    if room1 < 0.0:
-        v = along(v, n1, max(0.0, min(PUSH_SPEED, -room1 / max(PUSH_TIME, time_step)) - dot(v, n1)))
+    if room2 < -CLOSED:
+        v = along(v, n2, max(0.0, demanded(room2, time_step) - dot(v, n2)))
+    if room1 < -CLOSED:
+        v = along(v, n1, max(0.0, demanded(room1, time_step) - dot(v, n1)))
     return v, lost
 
 
@@ -214,7 +226,7 @@ def allowed(planes, p, x, v, time_step):  # type: ignore[no-untyped-def]
     """v without its approach beyond the room of the planes of particle p, x; for impulses of other contacts, which friction and push follow later."""
     for place in range(planes.held[p]):
         normal, room = rooms(planes, p, place, x)
-        v = along(v, normal, max(0.0, min(0.0, (CLOSED - room) / time_step) - dot(v, normal)))
+        v = along(v, normal, max(0.0, min(0.0, demanded(room, time_step)) - dot(v, normal)))
     return v
 
 

@@ -32,9 +32,9 @@ SOFTNESS = 8.0
 STIFFEN_S = 0.3
 # No part of a garment that is being dressed goes faster than this; what a weld or a snap sets free would. At a step of 0.1 ms it is 1 % of 10 mm.
 SPEED_CAP_M_S = 1.0
-# Settling: the drag follows the frequency that the residual shows, acceleration over speed, because a drag that is critical for a slow mode lets fast ones ring
-# for long, and one that is critical for fast modes makes slow ones creep. At least critical for a mode of 4 rad/s, about the slowest of a skirt.
-SETTLE_DRAG, SETTLE_SHARE, SETTLE_MOST = 8.0, 0.3, 200.0
+# Critical for a mode of 4 rad/s, about the slowest of a skirt. More of it makes slow folds creep, less lets them swing. (A drag that follows the frequency in the
+# residual is misled: a few particles that snap over make it high, and hold all others back.)
+SETTLE_DRAG = 8.0
 # A watch begins when the residual is below this part of what it must not exceed at its end: slow modes that drag held down go on under less of it.
 READY = 0.7
 WATCH_DRAG = 1.0
@@ -108,8 +108,7 @@ class Course:
 
     def _set_phase(self, state: State) -> None:
         dynamics = self.dynamics
-        # Once watched, a run keeps its true masses: each change of masses shifts what rests on the body by a little, and the residual with it.
-        dynamics.equalise = self.mode == "drape" and "watched" not in state.run
+        dynamics.equalise = self.mode == "drape" and state.phase != "watch"
         dynamics.speed_cap_m_s = SPEED_CAP_M_S if self.mode == "drape" else math.inf
         softness = 1.0
         if self.mode == "drape" and state.phase == "fall":
@@ -117,7 +116,7 @@ class Course:
             softness = float(SOFTNESS ** min(1.0, left / STIFFEN_S))
         if softness != dynamics.softness:
             dynamics.forces, dynamics.softness = self.forces_at(softness), softness
-        drags = {"fall": FALL_DRAG, "settle": state.run.get("settle_drag", SETTLE_DRAG), "watch": WATCH_DRAG}
+        drags = {"fall": FALL_DRAG, "settle": SETTLE_DRAG, "watch": WATCH_DRAG}
         dynamics.drag = drags[state.phase] if self.mode == "drape" else AIR_DRAG
 
     def _watch(self, state: State) -> None:
@@ -136,11 +135,8 @@ class Course:
                 self._enter(state, "settle")
         elif state.phase == "settle":
             left = self.last = residual(self.dynamics, state, self._patch)
-            frequency = left.rms_g * GRAVITY_M_S2 / max(rms, 1e-9)
-            state.run["settle_drag"] = min(max(SETTLE_SHARE * frequency, SETTLE_DRAG), SETTLE_MOST)
             if left.rms_g < READY * RESIDUAL_G and left.worst_patch_g < READY * PATCH_RESIDUAL_G:
                 self._enter(state, "watch")
-                state.run["watched"] = 1.0
                 state.run["watch_from_s"] = state.time_s
         elif state.phase == "watch" and state.time_s - state.run["watch_from_s"] >= WATCH_S:
             left = self.last = residual(self.dynamics, state, self._patch)

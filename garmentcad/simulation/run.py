@@ -198,7 +198,7 @@ def _refined_state(coarse: Cloth, state: State, fine: Cloth, level: int, mannequ
     crossings += len(crossing_triangle_pairs_between(positions, fine.particle_triangles, mannequin.vertices, mannequin.faces))
     if crossings:
         raise RefinementError(f"the drape on {1e3 * coarse.spacing:g} mm crosses itself in {crossings} places on {1e3 * fine.spacing:g} mm: draped anew there")
-    kept = {key: value for key, value in state.run.items() if key not in ("watched", "step_factor")}
+    kept = {key: value for key, value in state.run.items() if key != "step_factor"}
     return State(positions, velocities, state.time_s, state.step, phase="fall", run=kept | {"level": float(level)}, work_j=dict(state.work_j))
 
 

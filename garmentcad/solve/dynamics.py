@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import numpy as np
 
@@ -107,6 +109,10 @@ class Dynamics:
         began = time.perf_counter()
         self._estimated_at = home
         self.forces.stiffness(home, self._stiffness)
+        self._choose_step(state, self.equalise)
+        self.seconds["stiffness"] += time.perf_counter() - began
+
+    def _choose_step(self, state: State, equalise: bool) -> None:
         free = ~self.fixed
         own = np.full(len(self._stiffness), np.inf)
         moving = free & (self._stiffness > 0.0)
@@ -114,14 +120,26 @@ class Dynamics:
         smallest = float(own.min(initial=np.inf))
         if not np.isfinite(smallest):
             smallest = 1e-3
-        if self.equalise:
+        if equalise:
             wanted = float(np.median(own[moving]))
             self.set_inverse_masses(self.true_inverse_masses / np.maximum(1.0, (wanted / own) ** 2))
         else:
             wanted = smallest
             self.set_inverse_masses(self.true_inverse_masses)
-        state.time_step_s = self.step_factor * wanted
-        self.seconds["stiffness"] += time.perf_counter() - began
+        before, state.time_step_s = state.time_step_s, self.step_factor * wanted
+        if before > 0.0 and "pair_impulse" in state.contact:
+            # What is remembered is a force: the next step starts from its impulse.
+            state.contact["pair_impulse"] *= state.time_step_s / before
+
+    @contextmanager
+    def true_masses(self, state: State) -> Iterator[None]:
+        """For as long as this lasts: true masses, and the time step that they allow."""
+        self.estimate_time_step(state)
+        self._choose_step(state, False)
+        try:
+            yield
+        finally:
+            self._choose_step(state, self.equalise)
 
     def advance(self, state: State, steps: int) -> None:
         """Many steps. DivergedError where motion runs away, IntersectingError where contact cannot part what it holds."""

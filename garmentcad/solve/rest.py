@@ -40,18 +40,19 @@ def patches(cloth: Cloth) -> np.ndarray:
 
 
 def residual(dynamics: Dynamics, state: State, patch: np.ndarray) -> Residual:
-    """Residual of `state`, which is left as it is, for the inertia that `dynamics` has at the moment.
+    """Residual of `state`, which is left as it is, for true masses.
 
     What contact does without any force (it pushes apart what stands below its gap) is no unrest; where forces hold against that push, and nothing moves, there
-    is none either: of the two readings of a particle the smaller counts. A run settles with raised masses, then moves with true
-    ones, and is judged at rest with true ones.
+    is none either: of the two readings of a particle the smaller counts.
     """
-    trial = deepcopy(state)
-    trial.velocities[:] = 0.0
-    pushed = deepcopy(trial)
-    dt = state.time_step_s
-    dynamics.correct_velocities(trial)
-    dynamics.contact.respond(pushed, dt)
+    with dynamics.true_masses(state):
+        trial = deepcopy(state)
+        trial.velocities[:] = 0.0
+        pushed = deepcopy(trial)
+        pushed.contact["pair_impulse"][:] = 0.0
+        dt = state.time_step_s
+        dynamics.correct_velocities(trial)
+        dynamics.contact.respond(pushed, dt)
     masses = np.where(dynamics.fixed, 0.0, dynamics.cloth.masses)
     beyond_push = trial.velocities - pushed.velocities
     still = (trial.velocities**2).sum(axis=1) < (beyond_push**2).sum(axis=1)
