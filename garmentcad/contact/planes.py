@@ -19,7 +19,7 @@ from numba import prange
 
 from garmentcad.arrays import CHUNKS, chunk_range, kernel, parallel_kernel
 from garmentcad.contact.bvh import box_distance2, node_after
-from garmentcad.geometry.closest import along, cross, distance_between, dot, minus, mixed, point_triangle, row, unit
+from garmentcad.geometry.closest import FACE, along, cross, distance_between, dot, minus, mixed, point_triangle, row, unit
 
 PUSH_SPEED = 0.25  # m/s, fastest separation of what stands below its gap
 PUSH_TIME = 5e-3  # s, time constant of that separation
@@ -32,6 +32,7 @@ _MOST = 3e-3  # m, but not more than this
 _FAR = 0.5  # m, beyond this the distance to the body is not looked for
 _APART = 0.95  # cosine between normals below which a second face is a contact of its own (the other side of a hollow corner)
 _FACING = 0.7  # cosine to the feature's pseudo-normal above which a face holds a closest point of its own
+_SAME = 1e-9  # m, distance of two points that are one
 _LISTED = 64  # faces that one look may list; of more, the nearest
 
 
@@ -120,6 +121,29 @@ def _face_contact(surface, face, grip, x, p):  # type: ignore[no-untyped-def]
 
 
 @kernel
+def _goes_on(surface, face, rows, k, x):  # type: ignore[no-untyped-def]
+    """Whether a nearer face, of rows 0 to k - 1, goes on into `face`, row k, without a hollow between them: the point of `face` closest to x lies on both.
+
+    It is no closest point of the surface then; a plane there would make a bump of every edge of a flat or bulging body.
+    """
+    corners = row(surface.faces, face)
+    a, b, c = row(surface.vertices, corners[0]), row(surface.vertices, corners[1]), row(surface.vertices, corners[2])
+    u, v, w, _, _ = point_triangle(x, a, b, c)
+    there = mixed(a, b, c, u, v, w)
+    own = (surface.normals[face, FACE, 0], surface.normals[face, FACE, 1], surface.normals[face, FACE, 2])
+    for j in range(k):
+        near = int(rows[j, 1])
+        of = row(surface.faces, near)
+        p, q, r = row(surface.vertices, of[0]), row(surface.vertices, of[1]), row(surface.vertices, of[2])
+        if point_triangle(there, p, q, r)[3] < _SAME * _SAME:
+            normal = (surface.normals[near, FACE, 0], surface.normals[near, FACE, 1], surface.normals[near, FACE, 2])
+            rise = max(dot(minus(a, there), normal), dot(minus(b, there), normal), dot(minus(c, there), normal))
+            if rise < _SAME or dot(own, normal) > _APART:
+                return True
+    return False
+
+
+@kernel
 def _keep(planes, p, place, normal, room):  # type: ignore[no-untyped-def]
     planes.normal[p, place, 0], planes.normal[p, place, 1], planes.normal[p, place, 2] = normal
     planes.room[p, place] = room
@@ -141,7 +165,7 @@ def _look(p, surface, tree, grip, x, reaches, planes, rows):  # type: ignore[no-
         if k == 0:
             nearest, first = normal, room
             _keep(planes, p, 0, normal, room)
-        elif own > _FACING and signed > 0.0 and dot(nearest, normal) < _APART:
+        elif own > _FACING and signed > 0.0 and dot(nearest, normal) < _APART and not _goes_on(surface, int(rows[k, 1]), rows, k, x):
             _keep(planes, p, 1, normal, room)
             break
     for axis in range(3):
