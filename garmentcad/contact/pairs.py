@@ -38,7 +38,7 @@ class Pairs(NamedTuple):
     kind: np.ndarray  # (N,) int32 VERTEX_TRIANGLE or EDGE_EDGE
     gap: np.ndarray  # (N,) m
     friction: np.ndarray  # (N,)
-    moving: np.ndarray  # (N,) 2.0 where both elements move, 1.0 where one belongs to a still body
+    moving: np.ndarray  # (N,) 2.0 where both elements move, 1.0 where one belongs to a body that never does
     slack: np.ndarray  # (N,) m, way of the fastest node since detection after which the pair may matter
     side: np.ndarray  # (N,) +1 or -1, 0 while unknown; changes as the pair moves
     impulse: np.ndarray  # (N,4) N.s along the normal, then of friction; of the last step
@@ -289,17 +289,17 @@ def _part(n, turn, t, pairs, planes, motion):  # type: ignore[no-untyped-def]
         _push(nodes, weights, (size * normal[0], size * normal[1], size * normal[2]), planes, motion)
         return
     mass, sum_ = 0.0, (0.0, 0.0, 0.0)
-    held = False
+    held, led = 0, (0.0, 0.0, 0.0)
     for corner in range(4):
         if inverse_masses[nodes[corner]] == 0.0:
-            held = True
+            held, led = held + 1, along(led, row(velocities, nodes[corner]), 1.0)
         else:
             mass += 1.0 / inverse_masses[nodes[corner]]
             sum_ = along(sum_, row(velocities, nodes[corner]), 1.0 / inverse_masses[nodes[corner]])
     for corner in range(4):
         if inverse_masses[nodes[corner]] > 0.0:
             for axis in range(3):
-                velocities[nodes[corner], axis] = 0.0 if held else sum_[axis] / mass
+                velocities[nodes[corner], axis] = led[axis] / held if held > 0 else sum_[axis] / mass
 
 
 @kernel
