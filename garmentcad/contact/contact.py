@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from garmentcad.arrays import CHUNKS, floats, kernel
+from garmentcad.arrays import CHUNKS, floats, indices, kernel
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.state import State
 from garmentcad.contact.body import ELEMENT_GAP, LARGEST_GAP, BodyElements
@@ -133,7 +133,7 @@ class Contact:
             self._body.surface = self._surface
         self._path, self.leg = path, STANDING
         self._stands_at: np.ndarray | None = None
-        self._edge_of_side = edge_of_side(self._surface.faces)
+        self._edge_of_side = indices([]) if path is None else edge_of_side(self._surface.faces)
         self.inverse_masses = np.zeros(self.nodes)
         self.set_inverse_masses(1.0 / cloth.masses if inverse_masses is None else inverse_masses)
         self._out = np.zeros((CHUNKS, 2))
@@ -219,9 +219,8 @@ class Contact:
         pairs = load_pairs(state)
         if self._stand_for is not pairs.nodes:
             self._stand, self._stand_for = room_for(pairs), pairs.nodes
-        return (
-            self._surface, self._tree, self._largest, self._grip, self._planes(state), pairs, self._stand, state.contact["body_pace"], self._out
-        )  # fmt: skip
+        planes, pace = self._planes(state), state.contact["body_pace"]
+        return self._surface, self._tree, self._largest, self._grip, planes, pairs, self._stand, pace, self._out
 
     @staticmethod
     def _planes(state: State) -> Planes:
