@@ -125,21 +125,21 @@ def test_ball_goes_into_a_hanging_cloth_and_not_through() -> None:
 
 
 def test_needle_from_below_lifts_a_sheet_and_does_not_pierce_it() -> None:
-    """A tip between particles: pairs of elements see that the body moves."""
+    """A tip between particles of a sheet that does not move before: pairs of elements see that the body does."""
     cone = trimesh.creation.cone(radius=0.012, height=0.05, sections=12)
-    vertices, faces = shifted(cone.vertices[:, [1, 2, 0]], y=-0.055), np.asarray(cone.faces)
+    vertices, faces = shifted(cone.vertices[:, [1, 2, 0]], y=-0.07), np.asarray(cone.faces)
     cloth = rectangle_cloth(80.0, 80.0, 10.0, 0.0, MATERIALS)
     flat = cloth.vertex_uv_mm * 1e-3
     positions = np.column_stack([flat[:, 0] - 0.0447, np.zeros(len(flat)), 0.0433 - flat[:, 1]])
-    path = BodyPath(np.array([0.0, 0.03]), np.stack([vertices, shifted(vertices, y=0.015)]))
-    dynamics = moved(cloth, (vertices, faces), path, np.abs(flat - 0.04).max(axis=1) > 0.039)
+    path = BodyPath(np.array([0.0, 0.01]), np.stack([vertices, shifted(vertices, y=0.03)]))
+    dynamics = moved(cloth, (vertices, faces), path, np.abs(flat - 0.04).max(axis=1) > 0.039, weight=False)
     state = fresh(dynamics, positions)
 
     def look() -> None:
         assert len(crossing_triangle_pairs_between(state.positions, cloth.particle_triangles, path.at(state.time_s), faces)) == 0
 
-    advance_to(dynamics, state, 0.03, look)
-    assert state.positions[:, 1].max() > 0.008
+    advance_to(dynamics, state, 0.01, look)
+    assert state.positions[:, 1].max() > 0.007
 
 
 def band() -> tuple[Cloth, np.ndarray, float]:
