@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from garmentcad.contact.bvh import EDGE_EDGE, TRIANGLE_POINT, fitted_tree, near_pairs
+from garmentcad.contact.bvh import EDGE_EDGE, TRIANGLE_POINT, fitted_tree, near_pairs, refit
 from garmentcad.contact.cloth import ClothElements
 from garmentcad.contact.elements import LEAST_GAP, elements, unique_edges
 from garmentcad.contact.surface import build_surface, bulge, convex_curvature
@@ -19,10 +19,10 @@ ELEMENT_GAP = 0.15e-3  # m, of body vertices and edges against cloth triangles a
 
 
 class BodyElements:
-    """A still body, vertices (V,3) m and faces (F,3) counter-clockwise from outside, under a cloth of a lattice `spacing` [m].
+    """A body, vertices (V,3) m and faces (F,3) counter-clockwise from outside, under a cloth of a lattice `spacing` [m].
 
     rise: (V,) m, least gap at each vertex, because a flat triangle between particles h apart dips h^2/(4 R) below a bulge of radius R. largest_gap: m, up to
-    which it counts.
+    which it counts. The vertices of `surface` are its own, and may move: then `refit`.
     """
 
     def __init__(self, vertices: np.ndarray, faces: np.ndarray, spacing: float) -> None:
@@ -40,6 +40,11 @@ class BodyElements:
         self._edges = elements(edges[sharp[edges].any(axis=1)], numbers)
         self._point_tree = fitted_tree(self._points, self.surface.vertices)
         self._edge_tree = fitted_tree(self._edges, self.surface.vertices)
+
+    def refit(self) -> None:
+        """Fit what `pairs` looks in to where the vertices are."""
+        refit(self._point_tree, self._points.nodes, self.surface.vertices)
+        refit(self._edge_tree, self._edges.nodes, self.surface.vertices)
 
     def pairs(self, cloth: ClothElements, positions: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:
         """Nodes (N,4) of body vertex-cloth triangle and of cloth edge-body edge pairs closer than `reach` m. Body vertices are numbered after the P particles

@@ -76,6 +76,15 @@ def refit(tree, nodes, positions):  # type: ignore[no-untyped-def]
             tree.boxes[node, 3 + axis] = max(tree.boxes[2 * node, 3 + axis], tree.boxes[2 * node + 1, 3 + axis])
 
 
+def refit_swept(tree: Tree, nodes: np.ndarray, hull: list[np.ndarray]) -> None:
+    """Set the boxes of the tree around elements whose nodes stay within the hull of the same rows (P,3) of several positions."""
+    boxes = []
+    for positions in hull:
+        refit(tree, nodes, positions)
+        boxes.append(tree.boxes.copy())
+    tree.boxes[:, :3], tree.boxes[:, 3:] = np.min(boxes, axis=0)[:, :3], np.max(boxes, axis=0)[:, 3:]
+
+
 def fitted_tree(elements: Elements, positions: np.ndarray) -> Tree:
     """Tree built over the elements at these positions (P,3) of their nodes, with its boxes."""
     tree = build_tree(positions[elements.nodes].mean(axis=1))

@@ -11,11 +11,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from garmentcad.arrays import CHUNKS, floats, kernel
+from garmentcad.arrays import CHUNKS, floats, indices, kernel
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.state import State
 from garmentcad.contact.body import ELEMENT_GAP, LARGEST_GAP, BodyElements
-from garmentcad.contact.bvh import Tree
+from garmentcad.contact.bvh import Tree, refit_swept
+from garmentcad.contact.carry import carry, set_pace
 from garmentcad.contact.cloth import ClothElements
 from garmentcad.contact.elements import LEAST_GAP, largest_around
 from garmentcad.contact.pairs import (
@@ -31,8 +32,10 @@ from garmentcad.contact.pairs import (
     stop_collisions,
     take_stand,
 )  # fmt: skip
+from garmentcad.contact.path import STANDING, BodyPath
 from garmentcad.contact.planes import Grip, Planes, fresh_planes, respond_planes
-from garmentcad.contact.surface import Surface
+from garmentcad.contact.surface import Surface, edge_of_side, pseudo_normals
+from garmentcad.errors import InputError
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.geometry.closest import distance_between
 
@@ -51,24 +54,33 @@ def farthest(positions, home):  # type: ignore[no-untyped-def]
 
 
 @kernel
+def go_with_body(contact, leg, since, motion):  # type: ignore[no-untyped-def]
+    """Set the body's velocities for the step that begins `since` s into the leg, and bring the planes to where the body is. Arguments as of `respond`."""
+    surface, _, _, _, planes, _, _, pace, _ = contact
+    positions, velocities, _, time_step = motion
+    set_pace(leg, since, time_step, len(planes.held), positions, velocities, pace)
+    carry(planes, surface.faces, positions, velocities, time_step)
+
+
+@kernel
 def respond(contact, motion, way, fastest):  # type: ignore[no-untyped-def]
     """Correct velocities in place, so that positions + time_step * velocities keep their distances.
 
     contact: `Contact.arguments`; motion: positions, velocities, inverse masses of all nodes, time step; way: m, longest since detection, or a bound of it;
     fastest: m/s. Returns the part of the step that is safe, the pair that limits it (-1: none), the work of friction on the cloth, J, and the fastest speed.
     """
-    surface, tree, largest, grip, planes, pairs, stand, out = contact
+    surface, tree, largest, grip, planes, pairs, stand, pace, out = contact
     positions, velocities, inverse_masses, time_step = motion
     work, part, worst = 0.0, 1.0, -1
     count = pairs_in_reach(pairs, way + SURGE * fastest * time_step)
     if count > 0:
-        work += keep_apart(count, pairs, stand, planes, motion)
-    respond_planes(surface, tree, largest, planes, grip, positions, velocities, inverse_masses, time_step, out)
+        work += keep_apart(count, pairs, stand, planes, grip, motion)
+    respond_planes(surface, tree, largest, planes, grip, positions, velocities, inverse_masses, time_step, pace, out)
     square = 0.0
     for chunk in range(len(out)):
         work += out[chunk, 0]
         square = max(square, out[chunk, 1])
-    speed = np.sqrt(square)
+    speed = max(np.sqrt(square), pace[2])
     if speed > SURGE * fastest:
         count = pairs_in_reach(pairs, way + speed * time_step)
         take_stand(count, pairs, positions, velocities, time_step, stand)
@@ -83,6 +95,7 @@ class Contact:
     """Keeps a cloth's parts apart by the fabric's thickness, and off a body by half of it, at least 1 mm each, between mid-surfaces.
 
     body: vertices (V,3) m and faces (F,3) counter-clockwise from outside, or None. Where it bulges with radius R the gap is at least 0.6 mm + h^2/(4R).
+    path: of a body that moves; where it is at `State.time_s` is all that counts then, and the shape in `body` only for the gap.
     itself: whether the cloth's parts see each other. inverse_masses (P,): 0 for particles that something else moves; default from the cloth.
     """
 
@@ -93,7 +106,10 @@ class Contact:
         body: tuple[np.ndarray, np.ndarray] | None = None,
         itself: bool = True,
         inverse_masses: np.ndarray | None = None,
+        path: BodyPath | None = None,
     ) -> None:
+        if path is not None and (body is None or path.vertex_count != len(body[0])):
+            raise InputError(f"a path of {path.vertex_count} vertices for a body of {0 if body is None else len(body[0])}")
         thickness = largest_around(cloth, materials.thickness)
         self._cloth_gap, body_gap = np.maximum(thickness, LEAST_GAP), np.maximum(0.5 * thickness, LEAST_GAP)
         self._cloth_friction, self._body_friction = (largest_around(cloth, values) for values in (materials.friction_cloth, materials.friction_body))
@@ -111,6 +127,13 @@ class Contact:
         self.count, self.nodes = cloth.particle_count, cloth.particle_count + len(self._surface.vertices)
         self.positions = np.concatenate([np.zeros((self.count, 3)), self._surface.vertices])
         self.velocities = np.zeros_like(self.positions)
+        # One memory: where the body's nodes move, its surface moves.
+        self._surface = self._surface._replace(vertices=self.positions[self.count :])
+        if self._body is not None:
+            self._body.surface = self._surface
+        self._path, self.leg = path, STANDING
+        self._stands_at: np.ndarray | None = None
+        self._edge_of_side = indices([]) if path is None else edge_of_side(self._surface.faces)
         self.inverse_masses = np.zeros(self.nodes)
         self.set_inverse_masses(1.0 / cloth.masses if inverse_masses is None else inverse_masses)
         self._out = np.zeros((CHUNKS, 2))
@@ -123,31 +146,66 @@ class Contact:
     def start(self, state: State) -> None:
         """Allocate the detection clock and the candidate lists in `state.contact`, and look. Everything that a later step reads lies there, so that a copied
         or reloaded State goes on with the same bits."""
-        state.contact |= {f"planes_{key}": array for key, array in fresh_planes(state.positions)._asdict().items()}
+        state.contact |= {f"planes_{key}": array for key, array in fresh_planes(state.positions, self._path is not None)._asdict().items()}
+        state.contact["body_pace"] = np.zeros(4)
         if self._body is None:
             state.contact["planes_allowance"][:] = np.inf
+        self.place(state, 0.0)
         self._find_pairs(state, 0.0)
+
+    def place(self, state: State, span_s: float) -> None:
+        """Put a body that moves to where it is at `state.time_s`, for steps of `span_s` seconds in all from there on, and set the `leg` that they follow."""
+        if self._path is None:
+            return
+        body, pace = slice(self.count, self.nodes), state.contact["body_pace"]
+        start, self.leg = self._path.leg(state.time_s, span_s)
+        self.positions[body], self.velocities[body], pace[2:] = start, 0.0, 0.0
+        if len(self.leg.first):
+            # A cubic stays within the hull of these four, and the normals tell sides only.
+            span, (first, second, _) = span_s, self.leg
+            hull = [start, start + span / 3.0 * first, start + span / 3.0 * (2.0 * first + span * second), self.leg.at(start, span)]
+            shape, self._stands_at = self.leg.at(start, 0.5 * span), None
+        elif self._stands_at is None or not np.array_equal(start, self._stands_at):
+            hull, shape, self._stands_at = [start], start, start
+        else:
+            hull = []
+        if hull:
+            refit_swept(self._tree, self._surface.faces, [floats(positions) for positions in hull])
+            self._surface.normals[:] = pseudo_normals(shape, self._surface.faces, self._edge_of_side)
+        if not len(self.leg.first):
+            self.load(state)
+            carry(self._planes(state), self._surface.faces, self.positions, self.velocities, 1.0)
+
+    def fastest(self, state: State) -> float:
+        """Largest speed of a particle or of the body, m/s."""
+        return max(float(np.sqrt((state.velocities**2).sum(axis=1).max())), float(state.contact["body_pace"][2]))
 
     def detect(self, state: State, reserve_m: float) -> bool:
         """Look for candidates again where the longest way since the last look plus `reserve_m`, the most that a node goes in the coming step, exceeds what
         that look covers. True if it did."""
-        if farthest(state.positions, state.contact["pair_home"]) + SURGE * reserve_m <= float(state.contact["pair_covered"][0]):
+        self.load(state)
+        if farthest(self.positions, state.contact["pair_home"]) + SURGE * reserve_m <= float(state.contact["pair_covered"][0]):
             return False
         self._find_pairs(state, reserve_m)
         return True
 
     def refresh(self, state: State) -> None:
         """Measure the slack of the pairs anew where much of it is used up, so that few of them are looked at in each step."""
-        way, pairs = farthest(state.positions, state.contact["pair_home"]), load_pairs(state)
+        self.load(state)
+        way, pairs = farthest(self.positions, state.contact["pair_home"]), load_pairs(state)
         if way > _COVERED * 0.02 * self._spacing and pairs_in_reach(pairs, way) > _WORTH + 2 * pairs_in_reach(pairs, 0.0):
             self._store(state, pairs, float(state.contact["pair_covered"][0]) - way)
 
     def respond(self, state: State, time_step_s: float) -> float:
         """Correct `state.velocities` in place for a step; add the work of friction to `state.work_j`. Returns the part of the step that is safe."""
+        self.place(state, time_step_s)
         self.load(state)
-        motion = (self.positions, self.velocities, self.inverse_masses, time_step_s)
-        way, fastest = farthest(state.positions, state.contact["pair_home"]), fastest_of(state.velocities)
+        motion, pace = (self.positions, self.velocities, self.inverse_masses, time_step_s), state.contact["body_pace"]
+        if len(self.leg.first):
+            go_with_body(self.arguments(state), self.leg, 0.0, motion)
+        way, fastest = farthest(self.positions, state.contact["pair_home"]), fastest_of(self.velocities)
         part, _, work, _ = respond(self.arguments(state), motion, way, fastest)
+        pace[:2] += part * time_step_s * pace[2:]
         state.velocities[:] = self.velocities[: self.count]
         state.work_j["friction"] += work
         return float(part)
@@ -161,8 +219,12 @@ class Contact:
         pairs = load_pairs(state)
         if self._stand_for is not pairs.nodes:
             self._stand, self._stand_for = room_for(pairs), pairs.nodes
-        planes = Planes(*(state.contact[f"planes_{key}"] for key in Planes._fields))
-        return self._surface, self._tree, self._largest, self._grip, planes, pairs, self._stand, self._out
+        planes, pace = self._planes(state), state.contact["body_pace"]
+        return self._surface, self._tree, self._largest, self._grip, planes, pairs, self._stand, pace, self._out
+
+    @staticmethod
+    def _planes(state: State) -> Planes:
+        return Planes(*(state.contact[f"planes_{key}"] for key in Planes._fields))
 
     def nodes_of(self, state: State, pair: int) -> np.ndarray:
         """Particles of a pair."""
@@ -178,11 +240,14 @@ class Contact:
             parts.append(make_pairs(touched, crossed, self._cloth_gap, self._cloth_friction))
             moving.append(np.full(len(parts[-1].nodes), 2.0))
         if self._body is not None:
-            pierced, crossed = self._body.pairs(self._elements, positions, ELEMENT_GAP + covered)
+            sides = 1.0 if self._path is None else 2.0
+            if self._path is not None:
+                self._body.refit()
+            pierced, crossed = self._body.pairs(self._elements, positions, ELEMENT_GAP + sides * covered)
             still = self.nodes - self.count
             friction = np.concatenate([self._body_friction, np.full(still, self._body_friction.mean())])
             parts.append(make_pairs(pierced, crossed, np.full(self.nodes, ELEMENT_GAP), friction))
-            moving.append(np.ones(len(parts[-1].nodes)))
+            moving.append(np.full(len(parts[-1].nodes), sides))
         found = joined(*parts) if parts else make_pairs(np.zeros((0, 4), np.int32), np.zeros((0, 4), np.int32), self._cloth_gap, self._cloth_friction)
         self._store(state, found._replace(moving=np.concatenate([*moving, np.zeros(0)])), covered)
 
@@ -192,7 +257,8 @@ class Contact:
         if "pair_nodes" in state.contact:
             carry_over(load_pairs(state), pairs)
         state.contact |= {f"pair_{key}": array for key, array in pairs._asdict().items()}
-        state.contact["pair_home"], state.contact["pair_covered"] = state.positions.copy(), np.array([covered])
+        home = state.positions if self._path is None else self.positions
+        state.contact["pair_home"], state.contact["pair_covered"] = home.copy(), np.array([covered])
 
 
 def load_pairs(state: State) -> Pairs:

@@ -17,7 +17,7 @@ import numpy as np
 from numba import prange
 
 from garmentcad.arrays import CHUNKS, chunk_range, indices, kernel, parallel_kernel
-from garmentcad.contact.planes import allowed, demanded
+from garmentcad.contact.planes import allowed, demanded, held
 from garmentcad.geometry.closest import FACE, along, cross, dot, minus, point_triangle, row, segment_segment, unit
 
 VERTEX_TRIANGLE, EDGE_EDGE = 0, 1
@@ -38,7 +38,7 @@ class Pairs(NamedTuple):
     kind: np.ndarray  # (N,) int32 VERTEX_TRIANGLE or EDGE_EDGE
     gap: np.ndarray  # (N,) m
     friction: np.ndarray  # (N,)
-    moving: np.ndarray  # (N,) 2.0 where both elements move, 1.0 where one belongs to a still body
+    moving: np.ndarray  # (N,) 2.0 where both elements move, 1.0 where one belongs to a body that never does
     slack: np.ndarray  # (N,) m, way of the fastest node since detection after which the pair may matter
     side: np.ndarray  # (N,) +1 or -1, 0 while unknown; changes as the pair moves
     impulse: np.ndarray  # (N,4) N.s along the normal, then of friction; of the last step
@@ -141,20 +141,20 @@ def _push(nodes, weights, impulse, planes, motion):  # type: ignore[no-untyped-d
 
 
 @kernel
-def _enter(nodes, planes, motion, free):  # type: ignore[no-untyped-def]
+def _enter(nodes, planes, grip, motion, free):  # type: ignore[no-untyped-def]
     """Begin with the four nodes of a pair: their velocities so far are free of planes."""
     positions, velocities, _, time_step = motion
     for corner in range(4):
         node = nodes[corner]
         if node < len(planes.held) and planes.held[node] > 0:
-            v = allowed(planes, node, row(positions, node), row(free, node), time_step)
+            v, _ = held(node, planes, grip.friction[node], row(positions, node), row(free, node), time_step)
             velocities[node, 0], velocities[node, 1], velocities[node, 2] = v
 
 
 @kernel
-def _impel(nodes, weights, impulse, planes, motion, free):  # type: ignore[no-untyped-def]
-    """Impulse on the four nodes of a pair. What planes take is no impulse of the pair: it comes back when the pair presses less. So it is taken anew from the
-    velocity without it, `free`."""
+def _impel(nodes, weights, impulse, planes, grip, motion, free):  # type: ignore[no-untyped-def]
+    """Impulse on the four nodes of a pair. What planes take, with friction, is no impulse of the pair: it comes back when the pair presses less. So it is
+    taken anew from the velocity without it, `free`; and where pairs are content, the planes' own response afterwards changes nothing."""
     positions, velocities, inverse_masses, time_step = motion
     for corner in range(4):
         node = nodes[corner]
@@ -163,7 +163,7 @@ def _impel(nodes, weights, impulse, planes, motion, free):  # type: ignore[no-un
         u = along(row(free, node), impulse, weights[corner] * inverse_masses[node])
         free[node, 0], free[node, 1], free[node, 2] = u
         if planes.held[node] > 0:
-            u = allowed(planes, node, row(positions, node), u, time_step)
+            u, _ = held(node, planes, grip.friction[node], row(positions, node), u, time_step)
         velocities[node, 0], velocities[node, 1], velocities[node, 2] = u
 
 
@@ -177,7 +177,7 @@ def _give(nodes, weights, inverse_masses):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _solve(count, pairs, stand, planes, motion):  # type: ignore[no-untyped-def]
+def _solve(count, pairs, stand, planes, grip, motion):  # type: ignore[no-untyped-def]
     """Sweeps of inelastic impulses with Coulomb friction over the active ones of the first `count` pairs, in their order.
 
     Returns the work of friction on the nodes, J.
@@ -187,17 +187,17 @@ def _solve(count, pairs, stand, planes, motion):  # type: ignore[no-untyped-def]
     free = velocities[: len(planes.held)].copy()
     for n in range(count):
         if stand.active[n]:
-            _enter(_row4(pairs.nodes, n), planes, motion, free)
+            _enter(_row4(pairs.nodes, n), planes, grip, motion, free)
     for n in range(count):
         if stand.active[n] and _give(_row4(pairs.nodes, n), _row4(stand.weights, n), inverse_masses) > 0.0:
             chosen[many] = n
             many += 1
             # The start: the impulses of the last step.
-            normal, held = row(stand.normal, n), pairs.impulse[n]
-            slide = (held[1], held[2], held[3])
+            normal, before = row(stand.normal, n), _row4(pairs.impulse, n)
+            slide = (before[1], before[2], before[3])
             slide = along(slide, normal, -dot(slide, normal))
             pairs.impulse[n, 1], pairs.impulse[n, 2], pairs.impulse[n, 3] = slide
-            _impel(_row4(pairs.nodes, n), _row4(stand.weights, n), along(slide, normal, held[0]), planes, motion, free)
+            _impel(_row4(pairs.nodes, n), _row4(stand.weights, n), along(slide, normal, before[0]), planes, grip, motion, free)
         else:
             pairs.impulse[n, 0] = pairs.impulse[n, 1] = pairs.impulse[n, 2] = pairs.impulse[n, 3] = 0.0
     for _ in range(_SWEEPS if many > 0 else 0):
@@ -216,16 +216,16 @@ def _solve(count, pairs, stand, planes, motion):  # type: ignore[no-untyped-def]
             step = pairs.impulse[n, 0] - before
             # Friction: the impulse that would stop the sliding, cut to the cone of the normal impulse so far.
             slide = along(speed, normal, -dot(speed, normal))
-            held = (pairs.impulse[n, 1], pairs.impulse[n, 2], pairs.impulse[n, 3])
-            goal = minus(held, (slide[0] / give, slide[1] / give, slide[2] / give))
+            grasp = (pairs.impulse[n, 1], pairs.impulse[n, 2], pairs.impulse[n, 3])
+            goal = minus(grasp, (slide[0] / give, slide[1] / give, slide[2] / give))
             size, limit = math.sqrt(dot(goal, goal)), pairs.friction[n] * pairs.impulse[n, 0]
             if size > limit:
                 goal = (goal[0] * limit / size, goal[1] * limit / size, goal[2] * limit / size)
-            change = minus(goal, held)
+            change = minus(goal, grasp)
             pairs.impulse[n, 1], pairs.impulse[n, 2], pairs.impulse[n, 3] = goal
             change = along(change, normal, step)
             if dot(change, change) > 0.0:
-                _impel(nodes, weights, change, planes, motion, free)
+                _impel(nodes, weights, change, planes, grip, motion, free)
                 largest = max(largest, math.sqrt(dot(change, change)) * give)
         if largest < _SETTLED:
             break
@@ -289,17 +289,17 @@ def _part(n, turn, t, pairs, planes, motion):  # type: ignore[no-untyped-def]
         _push(nodes, weights, (size * normal[0], size * normal[1], size * normal[2]), planes, motion)
         return
     mass, sum_ = 0.0, (0.0, 0.0, 0.0)
-    held = False
+    still, led = 0, (0.0, 0.0, 0.0)
     for corner in range(4):
         if inverse_masses[nodes[corner]] == 0.0:
-            held = True
+            still, led = still + 1, along(led, row(velocities, nodes[corner]), 1.0)
         else:
             mass += 1.0 / inverse_masses[nodes[corner]]
             sum_ = along(sum_, row(velocities, nodes[corner]), 1.0 / inverse_masses[nodes[corner]])
     for corner in range(4):
         if inverse_masses[nodes[corner]] > 0.0:
             for axis in range(3):
-                velocities[nodes[corner], axis] = 0.0 if held else sum_[axis] / mass
+                velocities[nodes[corner], axis] = led[axis] / still if still > 0 else sum_[axis] / mass
 
 
 @kernel
@@ -349,14 +349,14 @@ def pairs_in_reach(pairs, way):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def keep_apart(count, pairs, stand, planes, motion):  # type: ignore[no-untyped-def]
+def keep_apart(count, pairs, stand, planes, grip, motion):  # type: ignore[no-untyped-def]
     """Correct velocities in place so that the first `count` pairs keep their gaps over the step, or come back to them gently.
 
     motion: positions, velocities (N,3), inverse masses (N,) of particles and body vertices, time step. Returns the work of friction, J, negative.
     """
     positions, velocities, _, time_step = motion
     take_stand(count, pairs, positions, velocities, time_step, stand)
-    return _solve(count, pairs, stand, planes, motion)
+    return _solve(count, pairs, stand, planes, grip, motion)
 
 
 @kernel

@@ -7,6 +7,8 @@ A look at the body lists the faces in reach of a particle and keeps at most two 
 serves until the particle has gone its allowance. Distance from a convex body is a convex function, so that this plane never lies below the body's own
 distance there: a particle that slides along a bulge of radius R is held off by at most way^2/(2 R) too much. In a hollow it is the other way round; the gap
 covers that. Response: the approach beyond room/dt is removed, Coulomb friction with exact sticking takes what is left along the plane.
+
+On a body that moves, planes and homes ride on their faces (carry.py), velocities count relative to theirs, and what the body bends by counts as way gone.
 """
 
 from __future__ import annotations
@@ -19,12 +21,13 @@ from numba import prange
 
 from garmentcad.arrays import CHUNKS, chunk_range, kernel, parallel_kernel
 from garmentcad.contact.bvh import box_distance2, node_after
+from garmentcad.contact.carry import anchor, row_at
 from garmentcad.geometry.closest import FACE, along, cross, distance_between, dot, minus, mixed, point_triangle, row, unit
 
 PUSH_SPEED = 0.25  # m/s, fastest separation of what stands below its gap
 PUSH_TIME = 5e-3  # s, time constant of that separation
-# m: this close to its gap, on either side, a contact is closed. Without it what rests on something may still approach by the room that is left, a fraction of a micrometre
-# in a step of some 10 us, which looks like several g.
+# m: this close to its gap, on either side, a contact is closed. Without it what rests on something may still approach by the room that is left, a fraction
+# of a micrometre in a step of some 10 us, which looks like several g.
 CLOSED = 2e-6
 MARGIN = 0.5e-3  # m, way that one look covers at least
 _STEPS_PER_LOOK = 16  # and more where the particle is fast: the way of so many steps,
@@ -45,6 +48,14 @@ class Planes(NamedTuple):
     held: np.ndarray  # (P,) int32 planes, 0 to 2
     normal: np.ndarray  # (P,2,3) unit
     room: np.ndarray  # (P,2) m, at home
+    # Of a body that moves; else without rows.
+    face: np.ndarray  # (P,2) int32 that each plane rides on
+    weights: np.ndarray  # (P,2,3) of its point below home
+    upright: np.ndarray  # (P,2,3) the normal in the face's axes
+    height: np.ndarray  # (P,2) m, of home above that point
+    gap: np.ndarray  # (P,2) m, height without room
+    drift: np.ndarray  # (P,2,3) m/s, of what rests on the plane, in this step
+    travel: np.ndarray  # (P,2) m, the body's ways (`pace`) at the look
 
 
 class Grip(NamedTuple):
@@ -151,25 +162,38 @@ def _keep(planes, p, place, normal, room):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _look(p, surface, tree, grip, x, reaches, planes, rows):  # type: ignore[no-untyped-def]
-    """Set the planes of particle p at x. reaches: largest gap of any particle, and the way that the look should cover."""
-    largest, margin = reaches
-    way = math.sqrt(dot(minus(x, row(planes.home, p)), minus(x, row(planes.home, p))))
+def _tie(p, place, planes, surface, motion, face, height):  # type: ignore[no-untyped-def]
+    if len(planes.face) > 0:
+        corners = row(surface.faces, face)
+        a, b, c = row(surface.vertices, corners[0]), row(surface.vertices, corners[1]), row(surface.vertices, corners[2])
+        u, v, w, _, _ = point_triangle(row(planes.home, p), a, b, c)
+        anchor(p, place, planes, surface.faces, motion, (face, (u, v, w), height))
+
+
+@kernel
+def _look(p, surface, tree, grip, x, reaches, planes, rows, motion, pace):  # type: ignore[no-untyped-def]
+    """Set the planes of particle p at x. reaches: largest gap of any particle, the way that the look should cover, and how far the body has come nearer."""
+    largest, margin, nearer = reaches
+    way = math.sqrt(dot(minus(x, row(planes.home, p)), minus(x, row(planes.home, p)))) + nearer
     before = planes.closest[p]
     bound = min(_FAR, way + before)  # the closest face is no farther than it was plus the way
     found, closest = _list_faces(surface, tree, x, (largest + margin, bound), rows)
     planes.held[p] = 0
+    for axis in range(3):
+        planes.home[p, axis] = x[axis]
     nearest, first = (0.0, 0.0, 0.0), 0.0
     for k in range(found):
         signed, normal, room, own = _face_contact(surface, int(rows[k, 1]), grip, x, p)
         if k == 0:
             nearest, first = normal, room
             _keep(planes, p, 0, normal, room)
+            _tie(p, 0, planes, surface, motion, int(rows[k, 1]), signed)
         elif own > _FACING and signed > 0.0 and dot(nearest, normal) < _APART and not _goes_on(surface, int(rows[k, 1]), rows, k, x):
             _keep(planes, p, 1, normal, room)
+            _tie(p, 1, planes, surface, motion, int(rows[k, 1]), signed)
             break
-    for axis in range(3):
-        planes.home[p, axis] = x[axis]
+    if len(planes.face) > 0:
+        planes.travel[p, 0], planes.travel[p, 1] = pace[0], pace[1]
     planes.closest[p] = closest
     # One inside the body moves out by planes that its way changes quickly.
     planes.allowance[p] = closest - largest if found == 0 else margin
@@ -223,13 +247,16 @@ def _on_both(v, n1, n2, least1, least2, mu):  # type: ignore[no-untyped-def]
 
 @kernel
 def _hold(p, planes, mu, x, v, time_step):  # type: ignore[no-untyped-def]
-    """Velocity of particle p that its planes allow, and the part of it that friction took."""
+    """Velocity of particle p that its planes allow, and the part of it that friction took; v and both relative to the first plane's."""
     n1, room1 = rooms(planes, p, 0, x)
     n2, room2 = n1, math.inf
     if planes.held[p] > 1:
         n2, room2 = rooms(planes, p, 1, x)
     # Speeds along the normals that the gap demands in this step; what is below the gap already is pushed out afterwards, without friction.
-    least1, least2 = min(0.0, demanded(room1, time_step)), min(0.0, demanded(room2, time_step))
+    least1, least2, lead = min(0.0, demanded(room1, time_step)), min(0.0, demanded(room2, time_step)), 0.0
+    if len(planes.face) > 0 and planes.held[p] > 1:
+        lead = dot(minus(row_at(planes.drift, p, 1), row_at(planes.drift, p, 0)), n2)
+        least2 += lead
     # One plane holds alone if with its friction the other is not reached; only a closed plane may press, or the place of rest would depend on the time step.
     before = v
     v, pressed = _on_one(before, n1, least1, mu)
@@ -239,25 +266,39 @@ def _hold(p, planes, mu, x, v, time_step):  # type: ignore[no-untyped-def]
             v, pressed = _on_both(before, n1, n2, least1, least2, mu)
     lost = minus(v, pressed)
     if room2 < -CLOSED:
-        v = along(v, n2, max(0.0, demanded(room2, time_step) - dot(v, n2)))
+        v = along(v, n2, max(0.0, demanded(room2, time_step) + lead - dot(v, n2)))
     if room1 < -CLOSED:
         v = along(v, n1, max(0.0, demanded(room1, time_step) - dot(v, n1)))
     return v, lost
 
 
 @kernel
+def held(p, planes, mu, x, v, time_step):  # type: ignore[no-untyped-def]
+    """Velocity that the planes of particle p, at least one, leave of v, and the part of it that friction took; mu: friction of the particle on the body."""
+    if len(planes.face) == 0:
+        return _hold(p, planes, mu, x, v, time_step)
+    drift = row_at(planes.drift, p, 0)
+    v, lost = _hold(p, planes, mu, x, minus(v, drift), time_step)
+    return along(v, drift, 1.0), lost
+
+
+@kernel
 def allowed(planes, p, x, v, time_step):  # type: ignore[no-untyped-def]
-    """v without its approach beyond the room of the planes of particle p, x; for impulses of other contacts, which friction and push follow later."""
+    """v without its approach beyond the room of the planes of particle p, x; for impulses that have been through friction and push already."""
     for place in range(planes.held[p]):
         normal, room = rooms(planes, p, place, x)
-        v = along(v, normal, max(0.0, min(0.0, demanded(room, time_step)) - dot(v, normal)))
+        least = min(0.0, demanded(room, time_step))
+        if len(planes.face) > 0:
+            least += dot(row_at(planes.drift, p, place), normal)
+        v = along(v, normal, max(0.0, least - dot(v, normal)))
     return v
 
 
 @kernel
-def _respond_of(particles, body, planes, grip, motion, time_step, out):  # type: ignore[no-untyped-def]
+def _respond_of(particles, body, planes, grip, motion, pace, out):  # type: ignore[no-untyped-def]
     surface, tree, largest = body
-    positions, velocities, inverse_masses = motion
+    positions, velocities, inverse_masses, time_step = motion
+    moving = len(planes.face) > 0
     rows = np.empty((_LISTED, 2))
     total = largest_square = 0.0
     for p in range(particles[0], particles[1]):
@@ -267,22 +308,31 @@ def _respond_of(particles, body, planes, grip, motion, time_step, out):  # type:
             # A speed that is not a number must not hide behind a comparison that is false.
             largest_square = max(largest_square, square) if square == square else math.inf
             continue
-        speed = math.sqrt(square)
+        speed, nearer = math.sqrt(square), 0.0
+        if moving:
+            # Near the body relative to the face below, and by what the body bends; else by all that the body moves.
+            near = 1 if planes.held[p] > 0 else 0
+            if near:
+                beside = minus(v, row_at(planes.drift, p, 0))
+                speed = math.sqrt(dot(beside, beside))
+            speed, nearer = speed + pace[2 + near], pace[near] - planes.travel[p, near]
         # What a push adds to the way is no faster than its own cap.
         reserve = max(speed, PUSH_SPEED) * time_step
-        if distance_between(positions, planes.home, p) + reserve > planes.allowance[p]:
-            _look(p, surface, tree, grip, x, (largest, max(MARGIN, 2.0 * reserve, min(_STEPS_PER_LOOK * speed * time_step, _MOST))), planes, rows)
+        if distance_between(positions, planes.home, p) + nearer + reserve > planes.allowance[p]:
+            margin = max(MARGIN, 2.0 * reserve, min(_STEPS_PER_LOOK * speed * time_step, _MOST))
+            _look(p, surface, tree, grip, x, (largest, margin, nearer), planes, rows, (positions, velocities, time_step), pace)
         if planes.held[p] > 0 and (planes.held[p] > 1 or rooms(planes, p, 0, x)[1] <= reserve):
-            v, lost = _hold(p, planes, grip.friction[p], x, v, time_step)
+            v, lost = held(p, planes, grip.friction[p], x, v, time_step)
+            rest = minus(v, row_at(planes.drift, p, 0)) if moving else v
+            total += dot(lost, rest) / inverse_masses[p]
             velocities[p, 0], velocities[p, 1], velocities[p, 2] = v
-            total += dot(lost, v) / inverse_masses[p]
             square = dot(v, v)
         largest_square = max(largest_square, square) if square == square else math.inf
     out[0], out[1] = total, largest_square
 
 
 @parallel_kernel
-def respond_planes(surface, tree, largest, planes, grip, positions, velocities, inverse_masses, time_step, out):  # type: ignore[no-untyped-def]
+def respond_planes(surface, tree, largest, planes, grip, positions, velocities, inverse_masses, time_step, pace, out):  # type: ignore[no-untyped-def]
     """Velocities in place; out (CHUNKS,2): work of friction, J, and largest squared speed, m2/s2; largest: m, of all gaps.
 
     Particles that have gone their allowance look at the body first.
@@ -290,11 +340,16 @@ def respond_planes(surface, tree, largest, planes, grip, positions, velocities, 
     count = len(planes.held)
     for chunk in prange(CHUNKS):
         _respond_of(
-            chunk_range(chunk, count), (surface, tree, largest), planes, grip, (positions, velocities, inverse_masses), time_step, out[chunk]
+            chunk_range(chunk, count), (surface, tree, largest), planes, grip, (positions, velocities, inverse_masses, time_step), pace, out[chunk]
         )
 
 
-def fresh_planes(positions: np.ndarray) -> Planes:
-    """Planes of particles (P,3) that all have to look."""
+def fresh_planes(positions: np.ndarray, moving: bool) -> Planes:
+    """Planes of particles (P,3) that all have to look; moving: on a body that moves."""
     count = len(positions)
-    return Planes(positions.copy(), np.full(count, -np.inf), np.full(count, np.inf), np.zeros(count, np.int32), np.zeros((count, 2, 3)), np.zeros((count, 2)))
+    ride = count if moving else 0
+    return Planes(
+        positions.copy(), np.full(count, -np.inf), np.full(count, np.inf), np.zeros(count, np.int32), np.zeros((count, 2, 3)), np.zeros((count, 2)),
+        np.zeros((ride, 2), np.int32), np.zeros((ride, 2, 3)), np.zeros((ride, 2, 3)), np.zeros((ride, 2)), np.zeros((ride, 2)), np.zeros((ride, 2, 3)),
+        np.zeros((ride, 2)),
+    )  # fmt: skip

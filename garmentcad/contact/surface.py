@@ -13,7 +13,7 @@ _SMOOTHINGS = 3  # of the vertex curvature over the neighbours
 
 
 class Surface(NamedTuple):
-    """A still closed body. normals: (F,7,3) unit, of the features of each face as `geometry.closest` numbers them: corners, edges, the face itself."""
+    """A closed body. normals: (F,7,3) unit, of the features of each face as `geometry.closest` numbers them: corners, edges, the face itself."""
 
     vertices: np.ndarray  # (V,3) m
     faces: np.ndarray  # (F,3) int32, counter-clockwise from outside
@@ -23,6 +23,16 @@ class Surface(NamedTuple):
 def build_surface(vertices: np.ndarray, faces: np.ndarray) -> Surface:
     """Surface with angle-weighted pseudo-normals (Baerentzen and Aanaes 2005): their sign is right at corners and edges as well."""
     vertices, faces = floats(vertices), indices(faces)
+    return Surface(vertices, faces, pseudo_normals(vertices, faces, edge_of_side(faces)))
+
+
+def edge_of_side(faces: np.ndarray) -> np.ndarray:
+    """(3F,) number of the edge that each side of each face (F,3) is."""
+    return unique_pairs(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2))[1]
+
+
+def pseudo_normals(vertices: np.ndarray, faces: np.ndarray, edge: np.ndarray) -> np.ndarray:
+    """Normals of a Surface. edge: `edge_of_side` of the faces."""
     corners = vertices[faces]
     flat = _unit(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
     angled = []
@@ -32,13 +42,12 @@ def build_surface(vertices: np.ndarray, faces: np.ndarray) -> Surface:
         angle = np.arccos(np.clip((to_next * to_last).sum(axis=1), -1.0, 1.0))
         angled.append(angle[:, None] * flat)
     vertex_normal = _sums(faces.T.ravel(), np.concatenate(angled), len(vertices))
-    edges, edge = unique_pairs(np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2))
-    edge_normal = _sums(edge, np.repeat(flat, 3, axis=0), len(edges))
+    edge_normal = _sums(edge, np.repeat(flat, 3, axis=0), int(edge.max(initial=-1)) + 1)
     normals = np.empty((len(faces), 7, 3))
     normals[:, :EDGE] = _unit(vertex_normal)[faces]
     normals[:, EDGE:FACE] = _unit(edge_normal)[edge.reshape(-1, 3)]
     normals[:, FACE] = flat
-    return Surface(vertices, faces, normals)
+    return normals
 
 
 def convex_curvature(surface: Surface) -> np.ndarray:

@@ -13,7 +13,6 @@ from garmentcad.cloth.state import State
 from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.solve.dynamics import STEPS_PER_ESTIMATE, DivergedError, Dynamics
 from garmentcad.solve.rest import PATCH_RESIDUAL_G, RESIDUAL_G, Residual, patches, residual
-from garmentcad.units import GRAVITY_M_S2
 
 STEPS_PER_LOOK = 2 * STEPS_PER_ESTIMATE  # a phase begins with a fresh time step
 CLOSED_M = 0.1e-3  # seams are welded below this gap
@@ -32,8 +31,8 @@ SOFTNESS = 8.0
 STIFFEN_S = 0.3
 # No part of a garment that is being dressed goes faster than this; what a weld or a snap sets free would. At a step of 0.1 ms it is 1 % of 10 mm.
 SPEED_CAP_M_S = 1.0
-# Critical for a mode of 4 rad/s, about the slowest of a skirt. More of it makes slow folds creep, less lets them swing. (A drag that follows the frequency in the
-# residual is misled: a few particles that snap over make it high, and hold all others back.)
+# Critical for a mode of 4 rad/s, about the slowest of a skirt. More of it makes slow folds creep, less lets them swing. (A drag that follows the frequency in
+# the residual is misled: a few particles that snap over make it high, and it holds all others back.)
 SETTLE_DRAG = 8.0
 # A watch begins when the residual is below this part of what it must not exceed at its end: slow modes that drag held down go on under less of it.
 READY = 0.7

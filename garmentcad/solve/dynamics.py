@@ -148,12 +148,15 @@ class Dynamics:
         end = state.step + steps
         while state.step < end:
             self.estimate_time_step(state)
+            count = min(STEPS_PER_ESTIMATE, end - state.step)
+            self.contact.place(state, count * state.time_step_s)
             self.contact.refresh(state)
             with threads_apart():
-                self._stretch(state, min(STEPS_PER_ESTIMATE, end - state.step))
+                self._stretch(state, count)
 
     def correct_velocities(self, state: State) -> None:
         """The velocity half of a step of `state.time_step_s`: forces, constraints, strain limiting, contact."""
+        self.contact.place(state, state.time_step_s)
         self._stretch(state, 1, hold=True)
 
     def _stretch(self, state: State, steps: int, hold: bool = False) -> None:
@@ -163,11 +166,12 @@ class Dynamics:
         bonds = no_bonds() if self.constraint is None else self.constraint.bonds(state.constraint_speeds)
         contact.load(state)
         motion = (contact.positions, contact.velocities, contact.inverse_masses)
-        left, resumed = steps, False
+        left, resumed, began = steps, False, state.time_s
         while left > 0:
             t0 = time.perf_counter()
             clock = (state.contact["pair_home"], state.contact["pair_covered"])
-            code = run_steps((left, resumed, hold), controls, laws, sums, bonds, self.limit, (contact.arguments(state), motion, clock), self._clock)
+            touch = (contact.arguments(state), motion, clock, (contact.leg, state.time_s - began))
+            code = run_steps((left, resumed, hold), controls, laws, sums, bonds, self.limit, touch, self._clock)
             done = int(self._clock[0])
             state.positions[:], state.velocities[:] = contact.positions[:count], contact.velocities[:count]
             state.step += done
@@ -181,7 +185,7 @@ class Dynamics:
                 self._check(state)
             resumed = code == LOOK
             if code == LOOK:
-                contact.detect(state, float(np.sqrt((state.velocities**2).sum(axis=1).max())) * dt)
+                contact.detect(state, contact.fastest(state) * dt)
                 self.seconds["detection"] += time.perf_counter() - t1
             if code == DONE and hold:
                 return

@@ -16,7 +16,7 @@ from numba import prange
 
 from garmentcad.arrays import CHUNKS, chunk_range, kernel, parallel_kernel
 from garmentcad.constraints.points import correct_speeds, demand_speeds
-from garmentcad.contact.contact import farthest, respond
+from garmentcad.contact.contact import farthest, go_with_body, respond
 from garmentcad.contact.pairs import fastest_of
 from garmentcad.forces.internal import write_internal
 from garmentcad.solve.strain_limit import least_headroom, pull_back
@@ -95,12 +95,14 @@ def run_steps(order, controls, laws, sums, bonds, limit, contact, clock):  # typ
     """Up to a number of steps. order: steps, whether the first begins at its contact part, whether it stops short of moving positions.
 
     bonds: constraint rows with their demanded speeds (see constraints/points.py); contact: arguments of the response, motion of all nodes, home and cover of
-    the candidates. clock (6,): out: steps done, friction work J, largest mean square speed, links left too long, pair that cut the last step, safe part of it.
+    the candidates, leg of the body and seconds since its beginning. clock (6,): out: steps done, friction work J, largest mean square speed, links left too
+    long, pair that cut the last step, safe part of it.
 
     Returns why it ended.
     """
     steps, resumed, hold = order
-    rules, (positions, velocities, inverse_masses), (home, covered) = contact
+    rules, (positions, velocities, inverse_masses), (home, covered), (leg, since) = contact
+    pace, moves = rules[7], len(leg.first) > 0
     dt, count = controls.time_step, len(sums.weight)
     out = np.zeros((CHUNKS, 2))
     motion = (positions, velocities, inverse_masses, dt)
@@ -108,6 +110,8 @@ def run_steps(order, controls, laws, sums, bonds, limit, contact, clock):  # typ
     clock[:] = 0.0
     clock[4], clock[5] = -1.0, 1.0
     for step in range(steps):
+        if moves:
+            go_with_body(rules, leg, since, motion)
         if step > 0 or not resumed:
             write_internal(laws, positions, velocities, sums.corner_forces)
             advance_velocities(sums, (dt, controls.drag, controls.speed_cap), inverse_masses, velocities, out)
@@ -126,6 +130,7 @@ def run_steps(order, controls, laws, sums, bonds, limit, contact, clock):  # typ
                     fastest = fastest_of(velocities)
         else:
             fastest = fastest_of(velocities)
+        fastest = max(fastest, pace[2])
         if way + controls.surge * fastest * dt > covered[0]:
             way = farthest(positions, home)
             if way + controls.surge * fastest * dt > covered[0]:
@@ -134,7 +139,9 @@ def run_steps(order, controls, laws, sums, bonds, limit, contact, clock):  # typ
         clock[1] += work
         if hold:
             return DONE
-        _move(count, part * dt, velocities, positions)
+        _move(len(positions) if moves else count, part * dt, velocities, positions)
+        since += part * dt
+        pace[0], pace[1] = pace[0] + part * dt * pace[2], pace[1] + part * dt * pace[3]
         way += fastest * dt
         headroom -= 2.0 * fastest * dt
         clock[0] += 1.0
