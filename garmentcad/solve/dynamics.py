@@ -170,9 +170,13 @@ class Dynamics:
             if code == CUT:
                 self._cuts += 1
                 if self._cuts == MOST_CUTS:
-                    raise IntersectingError(self.cloth, contact.nodes_of(state, int(self._clock[4])), state)
+                    raise IntersectingError(self.cloth, self._stuck(state, int(self._clock[4])), state)
             elif done > 1:
                 self._cuts = 0
+
+    def _stuck(self, state: State, pair: int) -> np.ndarray:
+        """Particles of the pair that cut a step; the fastest one where only its speed did (-1)."""
+        return self.contact.nodes_of(state, pair) if pair >= 0 else np.array([np.argmax((state.velocities**2).sum(axis=1))])
 
     def _check(self, state: State) -> None:
         squares = np.nan_to_num((state.velocities**2).sum(axis=1), nan=np.inf)

@@ -95,7 +95,8 @@ def run_steps(order, controls, laws, sums, bonds, limit, contact, clock):  # typ
     """Up to a number of steps. order: steps, whether the first begins at its contact part, whether it stops short of moving positions.
 
     bonds: constraint rows with their demanded speeds (see constraints/points.py); contact: arguments of the response, motion of all nodes, home and cover of
-    the candidates. clock (6,): out: steps done, friction work J, largest mean square speed, links left too long, pair that cut the last step, safe part of it.
+    the candidates. clock (6,): out: steps done, friction work J, largest mean square speed, links left too long, pair that cut the last step (-1: only speeds
+    that the response raised), safe part of it.
 
     Returns why it ended.
     """
@@ -130,7 +131,7 @@ def run_steps(order, controls, laws, sums, bonds, limit, contact, clock):  # typ
             way = farthest(positions, home)
             if way + controls.surge * fastest * dt > covered[0]:
                 return LOOK
-        part, worst, work, fastest = respond(rules, motion, way, fastest)
+        part, worst, work, fastest = respond(rules, motion, way, covered[0], fastest)
         clock[1] += work
         if hold:
             return DONE
@@ -139,7 +140,7 @@ def run_steps(order, controls, laws, sums, bonds, limit, contact, clock):  # typ
         headroom -= 2.0 * fastest * dt
         clock[0] += 1.0
         clock[2] = max(clock[2], mean_square(velocities, sums.masses))
-        if worst >= 0:
+        if part < 1.0:
             clock[4], clock[5] = worst, part
             return CUT
     return DONE
