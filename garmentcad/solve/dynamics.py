@@ -55,7 +55,8 @@ def _places(cloth: Cloth, particles: np.ndarray) -> str:
 
 
 class Dynamics:
-    """Moves one cloth. Set `constraint`, `equalise`, `drag` and `speed_cap_m_s` between stretches; `seconds` sums wall time by kind of work.
+    """Moves one cloth. Set `constraint`, `equalise`, `drag` and `speed_cap_m_s` between stretches; `seconds` sums wall time by kind of work,
+    `cut_steps` counts the steps that contact had to cut.
 
     forces: those of `internal_forces` and weight. drag: rate c [1/s], relative to air at rest, in proportion to the mass that resists.
     equalise: drape mode; masses of particles whose own stable step is shorter than the median's are raised until it is not (the shape at rest does not depend
@@ -77,6 +78,7 @@ class Dynamics:
         self._stiffness = np.zeros(cloth.particle_count)
         self._clock = np.zeros(6)
         self._masses = floats(cloth.masses)
+        self.cut_steps = 0
         self._cuts = 0
         self._estimated_at: np.ndarray | None = None
         self.true_inverse_masses = np.where(self.fixed, 0.0, 1.0 / cloth.masses)
@@ -168,6 +170,7 @@ class Dynamics:
             if code == DONE and hold:
                 return
             if code == CUT:
+                self.cut_steps += 1
                 self._cuts += 1
                 if self._cuts == MOST_CUTS:
                     raise IntersectingError(self.cloth, self._stuck(state, int(self._clock[4])), state)
