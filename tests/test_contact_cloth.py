@@ -148,6 +148,23 @@ def test_fail_safe_stops_what_impulses_miss(seed: int) -> None:
     np.testing.assert_allclose(sheet.cloth.masses @ state.velocities, momentum, atol=1e-10 * np.abs(sheet.cloth.masses).sum() * 6)
 
 
+@pytest.mark.parametrize("seed", [15, 98, 114])
+def test_what_held_particles_throw_passes_nothing(seed: int) -> None:
+    """Impulses near held particles throw free ones at ten times any speed before, toward a third sheet that nobody looked at."""
+    rng = np.random.default_rng(seed)
+    sheet = Sheet(6, panels=3)
+    layers = [sheet.at(*middle)[:49] for middle in ((0.0, 0.0, 0.0), (0.003, 0.0011, 0.002), (-0.002, 0.0131, 0.001))]
+    positions = np.concatenate(layers) + rng.normal(0, 2e-4, (147, 3))
+    velocities = rng.normal(0, 3.0, (147, 3)) * np.repeat([1.0, 1.0, 0.1], 49)[:, None]
+    contact = Contact(sheet.cloth, fabric(), inverse_masses=np.where(rng.random(147) < 0.5, 0.0, 1.0 / sheet.cloth.masses))
+    state = sheet.state(positions, velocities)
+    contact.start(state)
+    dt = GAP / 3
+    part = correct(state, dt, contact)
+    assert np.linalg.norm(state.velocities, axis=1).max() > 10.0 * np.linalg.norm(velocities, axis=1).max()
+    assert not crosses(positions + part * dt * state.velocities, sheet.cloth.particle_triangles)
+
+
 def test_impulse_stops_at_the_gap_and_is_inelastic() -> None:
     """One particle over the middle of a fixed triangle: it arrives at the gap and stays there."""
     sheet = Sheet(1, panels=2)

@@ -63,16 +63,18 @@ def go_with_body(contact, leg, since, motion):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def respond(contact, motion, way, fastest):  # type: ignore[no-untyped-def]
+def respond(contact, motion, way, covered, fastest):  # type: ignore[no-untyped-def]
     """Correct velocities in place, so that positions + time_step * velocities keep their distances.
 
     contact: `Contact.arguments`; motion: positions, velocities, inverse masses of all nodes, time step; way: m, longest since detection, or a bound of it;
-    fastest: m/s. Returns the part of the step that is safe, the pair that limits it (-1: none), the work of friction on the cloth, J, and the fastest speed.
+    covered: m, that the candidates serve; fastest: m/s. Returns the part of the step that is safe, the pair that limits it (-1: none), the work of friction on
+    the cloth, J, and the fastest speed.
     """
     surface, tree, largest, grip, planes, pairs, stand, pace, out = contact
     positions, velocities, inverse_masses, time_step = motion
     work, part, worst = 0.0, 1.0, -1
-    count = pairs_in_reach(pairs, way + SURGE * fastest * time_step)
+    reach = SURGE * fastest
+    count = pairs_in_reach(pairs, way + reach * time_step)
     if count > 0:
         work += keep_apart(count, pairs, stand, planes, grip, motion)
     respond_planes(surface, tree, largest, planes, grip, positions, velocities, inverse_masses, time_step, pace, out)
@@ -81,13 +83,17 @@ def respond(contact, motion, way, fastest):  # type: ignore[no-untyped-def]
         work += out[chunk, 0]
         square = max(square, out[chunk, 1])
     speed = max(np.sqrt(square), pace[2])
-    if speed > SURGE * fastest:
-        count = pairs_in_reach(pairs, way + speed * time_step)
+    if speed > reach:
+        reach = min(speed, (covered - way) / time_step)
+        count = pairs_in_reach(pairs, way + reach * time_step)
         take_stand(count, pairs, positions, velocities, time_step, stand)
     if count > 0:
-        part, worst, touched = stop_collisions(count, pairs, stand, planes, speed, motion)
+        part, worst, touched = stop_collisions(count, pairs, stand, planes, reach, motion)
         if touched:
             speed = fastest_of(velocities)
+    # Impulses near held or heavy particles throw light ones: these go as far as pairs were looked at, and no farther.
+    if part * speed > reach:
+        part = reach / speed
     return part, worst, work, speed
 
 
@@ -204,7 +210,7 @@ class Contact:
         if len(self.leg.first):
             go_with_body(self.arguments(state), self.leg, 0.0, motion)
         way, fastest = farthest(self.positions, state.contact["pair_home"]), fastest_of(self.velocities)
-        part, _, work, _ = respond(self.arguments(state), motion, way, fastest)
+        part, _, work, _ = respond(self.arguments(state), motion, way, float(state.contact["pair_covered"][0]), fastest)
         pace[:2] += part * time_step_s * pace[2:]
         state.velocities[:] = self.velocities[: self.count]
         state.work_j["friction"] += work

@@ -57,7 +57,8 @@ def _places(cloth: Cloth, particles: np.ndarray) -> str:
 
 
 class Dynamics:
-    """Moves one cloth. Set `constraint`, `equalise`, `drag` and `speed_cap_m_s` between stretches; `seconds` sums wall time by kind of work.
+    """Moves one cloth. Set `constraint`, `equalise`, `drag` and `speed_cap_m_s` between stretches; `seconds` sums wall time by kind of work,
+    `cut_steps` counts the steps that contact had to cut.
 
     forces: those of `internal_forces` and weight. drag: rate c [1/s], relative to air at rest, in proportion to the mass that resists.
     equalise: drape mode; masses of particles whose own stable step is shorter than the median's are raised until it is not (the shape at rest does not depend
@@ -79,6 +80,7 @@ class Dynamics:
         self._stiffness = np.zeros(cloth.particle_count)
         self._clock = np.zeros(6)
         self._masses = floats(cloth.masses)
+        self.cut_steps = 0
         self._cuts = 0
         self._estimated_at: np.ndarray | None = None
         self.true_inverse_masses = np.where(self.fixed, 0.0, 1.0 / cloth.masses)
@@ -190,11 +192,16 @@ class Dynamics:
             if code == DONE and hold:
                 return
             if code == CUT:
+                self.cut_steps += 1
                 self._cuts += 1
                 if self._cuts == MOST_CUTS:
-                    raise IntersectingError(self.cloth, contact.nodes_of(state, int(self._clock[4])), state)
+                    raise IntersectingError(self.cloth, self._stuck(state, int(self._clock[4])), state)
             elif done > 1:
                 self._cuts = 0
+
+    def _stuck(self, state: State, pair: int) -> np.ndarray:
+        """Particles of the pair that cut a step; the fastest one where only its speed did (-1)."""
+        return self.contact.nodes_of(state, pair) if pair >= 0 else np.array([np.argmax((state.velocities**2).sum(axis=1))])
 
     def _check(self, state: State) -> None:
         squares = np.nan_to_num((state.velocities**2).sum(axis=1), nan=np.inf)

@@ -96,7 +96,7 @@ def run_steps(order, controls, laws, sums, bonds, limit, contact, clock):  # typ
 
     bonds: constraint rows with their demanded speeds (see constraints/points.py); contact: arguments of the response, motion of all nodes, home and cover of
     the candidates, leg of the body and seconds since its beginning. clock (6,): out: steps done, friction work J, largest mean square speed, links left too
-    long, pair that cut the last step, safe part of it.
+    long, pair that cut the last step (-1: only speeds that the response raised), safe part of it.
 
     Returns why it ended.
     """
@@ -135,7 +135,7 @@ def run_steps(order, controls, laws, sums, bonds, limit, contact, clock):  # typ
             way = farthest(positions, home)
             if way + controls.surge * fastest * dt > covered[0]:
                 return LOOK
-        part, worst, work, fastest = respond(rules, motion, way, fastest)
+        part, worst, work, fastest = respond(rules, motion, way, covered[0], fastest)
         clock[1] += work
         if hold:
             return DONE
@@ -146,7 +146,7 @@ def run_steps(order, controls, laws, sums, bonds, limit, contact, clock):  # typ
         headroom -= 2.0 * fastest * dt
         clock[0] += 1.0
         clock[2] = max(clock[2], mean_square(velocities, sums.masses))
-        if worst >= 0:
+        if part < 1.0:
             clock[4], clock[5] = worst, part
             return CUT
     return DONE
