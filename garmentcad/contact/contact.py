@@ -39,7 +39,9 @@ from garmentcad.errors import InputError
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.geometry.closest import distance_between
 
-_COVERED = 0.25  # of the lattice spacing: the way of any node that one detection covers at least
+# Of the lattice spacing: the way of any node that one detection covers. The neighbours in a lattice stand 0.7 spacings apart; up to there pairs are few.
+_ACROSS, _COVERED_LEAST = 0.7, 0.125
+_USED = 0.005  # of the spacing: way since detection below which slack is as good as new
 SURGE = 1.5  # fastest speed after a response, in fastest speeds before it, up to which the candidates in reach were chosen right
 _WORTH = 1000  # pairs in reach above which it pays to measure the slack of all anew (see `refresh`)
 
@@ -199,7 +201,7 @@ class Contact:
         """Measure the slack of the pairs anew where much of it is used up, so that few of them are looked at in each step."""
         self.load(state)
         way, pairs = farthest(self.positions, state.contact["pair_home"]), load_pairs(state)
-        if way > _COVERED * 0.02 * self._spacing and pairs_in_reach(pairs, way) > _WORTH + 2 * pairs_in_reach(pairs, 0.0):
+        if way > _USED * self._spacing and pairs_in_reach(pairs, way) > _WORTH + 2 * pairs_in_reach(pairs, 0.0):
             self._store(state, pairs, float(state.contact["pair_covered"][0]) - way)
 
     def respond(self, state: State, time_step_s: float) -> float:
@@ -238,11 +240,13 @@ class Contact:
         return nodes[nodes < self.count]
 
     def _find_pairs(self, state: State, reserve_m: float) -> None:
-        covered = max(_COVERED * self._spacing, min(4.0 * reserve_m, 2.0 * self._spacing), 1.01 * SURGE * reserve_m)
+        gap = float(self._cloth_gap.max(initial=LEAST_GAP))
+        least = max(_COVERED_LEAST * self._spacing, 0.5 * (_ACROSS * self._spacing - gap))
+        covered = max(least, min(4.0 * reserve_m, 2.0 * self._spacing), 1.01 * SURGE * reserve_m)
         positions = floats(state.positions)
         parts, moving = [], []
         if self._itself:
-            touched, crossed = self._elements.pairs(positions, float(self._cloth_gap.max(initial=LEAST_GAP)) + 2.0 * covered)
+            touched, crossed = self._elements.pairs(positions, gap + 2.0 * covered)
             parts.append(make_pairs(touched, crossed, self._cloth_gap, self._cloth_friction))
             moving.append(np.full(len(parts[-1].nodes), 2.0))
         if self._body is not None:

@@ -12,7 +12,8 @@ import numpy as np
 from garmentcad.cloth.state import State
 from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.solve.dynamics import STEPS_PER_ESTIMATE, DivergedError, Dynamics
-from garmentcad.solve.rest import PATCH_RESIDUAL_G, RESIDUAL_G, Residual, patches, residual
+from garmentcad.solve.rest import PATCH_RESIDUAL_G, RESIDUAL_G, Residual, mean_over, patches, residual
+from garmentcad.units import GRAVITY_M_S2
 
 STEPS_PER_LOOK = 2 * STEPS_PER_ESTIMATE  # a phase begins with a fresh time step
 CLOSED_M = 0.1e-3  # seams are welded below this gap
@@ -31,9 +32,10 @@ SOFTNESS = 8.0
 STIFFEN_S = 0.3
 # No part of a garment that is being dressed goes faster than this; what a weld or a snap sets free would. At a step of 0.1 ms it is 1 % of 10 mm.
 SPEED_CAP_M_S = 1.0
-# Critical for a mode of 4 rad/s, about the slowest of a skirt. More of it makes slow folds creep, less lets them swing. (A drag that follows the frequency in
-# the residual is misled: a few particles that snap over make it high, and it holds all others back.)
-SETTLE_DRAG = 8.0
+# Settling: the drag of a patch follows the frequency that it shows, acceleration over speed: what is critical for a slow fold lets fast modes ring, and what is
+# critical for fast modes makes slow ones creep. Patch by patch, because a few particles that snap over must not hold back all others. At least critical
+# for a mode of 4 rad/s, about the slowest of a skirt.
+SETTLE_DRAG, SETTLE_SHARE, SETTLE_MOST = 8.0, 0.3, 200.0
 # A watch begins when the residual is below this part of what it must not exceed at its end: slow modes that drag held down go on under less of it.
 READY = 0.7
 WATCH_DRAG = 1.0
@@ -115,7 +117,7 @@ class Course:
             softness = float(SOFTNESS ** min(1.0, left / STIFFEN_S))
         if softness != dynamics.softness:
             dynamics.forces, dynamics.softness = self.forces_at(softness), softness
-        drags = {"fall": FALL_DRAG, "settle": SETTLE_DRAG, "watch": WATCH_DRAG}
+        drags: dict[str, float | np.ndarray] = {"fall": FALL_DRAG, "settle": state.contact.get("settle_drag", SETTLE_DRAG), "watch": WATCH_DRAG}
         dynamics.drag = drags[state.phase] if self.mode == "drape" else AIR_DRAG
 
     def _watch(self, state: State) -> None:
@@ -134,6 +136,7 @@ class Course:
                 self._enter(state, "settle")
         elif state.phase == "settle":
             left = self.last = residual(self.dynamics, state, self._patch)
+            self._follow(state, left)
             if left.rms_g < READY * RESIDUAL_G and left.worst_patch_g < READY * PATCH_RESIDUAL_G:
                 self._enter(state, "watch")
                 state.run["watch_from_s"] = state.time_s
@@ -142,6 +145,13 @@ class Course:
             grew = state.run["watch_rms_2"] > max(STILL_M_S, state.run.get("watch_rms_1", 0.0))
             self._enter(state, "rest" if left.at_rest and not grew else "settle")
         look(Progress(state.phase, state.step, state.time_s, None, None if left is None else left.rms_g, rms, self._eta(state, left)))
+
+    def _follow(self, state: State, left: Residual) -> None:
+        """Set the drag of the settling of each patch, from how it moves."""
+        masses = self.dynamics.cloth.masses
+        speeds = np.sqrt(mean_over(self._patch, masses, (state.velocities**2).sum(axis=1)))
+        frequency = GRAVITY_M_S2 * left.patches_g / np.maximum(speeds, 1e-9)
+        state.contact["settle_drag"] = np.clip(SETTLE_SHARE * frequency, SETTLE_DRAG, SETTLE_MOST)[self._patch]
 
     def _eta(self, state: State, left: Residual | None) -> float | None:
         """From the slope of log residual between looks."""

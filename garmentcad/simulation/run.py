@@ -26,6 +26,7 @@ from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
 from garmentcad.mannequin.mannequin import Mannequin
+from garmentcad.pattern.pattern import Panel
 from garmentcad.placement.place import place_vertices
 from garmentcad.simulation.checkpoint import load_state, save_state
 from garmentcad.simulation.course import SOFTNESS, Course, Progress
@@ -42,6 +43,9 @@ JITTER_M = 1e-5  # of the start, so that no fold is decided by round-off
 MAX_PARTICLES = 1_000_000
 CHECKPOINT_EVERY_S = 5.0
 COARSEST_MM = 25.0
+# Coarse spacings along the side of a square as large as the largest panel. An estimate: a disc of 240 mm over a pedestal has 7 folds at 10 mm, in both modes,
+# and 4 where it falls at 20 mm (docs/studies/agreement.md).
+FEWEST_CELLS = 20.0
 UNREFINED = "unrefined"  # in State.run: the garment was sewn on the lattice of the job
 
 
@@ -70,7 +74,7 @@ class Outcome:
 
 def check_size(job: Job) -> None:
     """LimitError where the lattice would be larger than the cap; the areas decide, before anything is allocated."""
-    area_mm2 = sum(Polygon(np.vstack([edge.curve.polyline(1.0)[:-1] for edge in panel.edges])).area for panel in job.pattern.panels.values())
+    area_mm2 = sum(_area_mm2(panel) for panel in job.pattern.panels.values())
     count = int(area_mm2 / job.grid_mm**2)
     if count > MAX_PARTICLES:
         message = f"{area_mm2 * 1e-6:.2f} m2 at a grid of {job.grid_mm:g} mm are about {count} particles; at most {MAX_PARTICLES} are allowed"
@@ -78,11 +82,17 @@ def check_size(job: Job) -> None:
 
 
 def grids_of(job: Job) -> tuple[float, ...]:
-    """Lattice spacings of a run, mm, coarse to fine: drape mode finds folds and seats the garment on lattices that cost an eighth a level."""
+    """Lattice spacings of a run, mm, coarse to fine: drape mode finds folds and seats the garment on lattices that cost an eighth a level, but for pieces
+    whose folds would be too coarse there."""
+    largest = math.sqrt(max(_area_mm2(panel) for panel in job.pattern.panels.values()))
     grids = [job.grid_mm]
-    while job.mode == "drape" and 2.0 * grids[0] <= COARSEST_MM:
+    while job.mode == "drape" and 2.0 * grids[0] <= min(COARSEST_MM, largest / FEWEST_CELLS):
         grids.insert(0, 2.0 * grids[0])
     return tuple(grids)
+
+
+def _area_mm2(panel: Panel) -> float:
+    return float(Polygon(np.vstack([edge.curve.polyline(1.0)[:-1] for edge in panel.edges])).area)
 
 
 def run(job: Job, look: Callable[[Progress], None], checkpoint: Path | None = None, resume: bool = False) -> Outcome:

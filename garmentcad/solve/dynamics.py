@@ -60,7 +60,7 @@ class Dynamics:
     """Moves one cloth. Set `constraint`, `equalise`, `drag` and `speed_cap_m_s` between stretches; `seconds` sums wall time by kind of work,
     `cut_steps` counts the steps that contact had to cut.
 
-    forces: those of `internal_forces` and weight. drag: rate c [1/s], relative to air at rest, in proportion to the mass that resists.
+    forces: those of `internal_forces` and weight. drag: rate c [1/s], one or (P,), relative to air at rest, in proportion to the mass that resists.
     equalise: drape mode; masses of particles whose own stable step is shorter than the median's are raised until it is not (the shape at rest does not depend
     on them). speed_cap_m_s: forces make no particle faster than this. The time step rests on tangents that are a few steps old, and tension stiffens with
     strain: what a weld or a snap sets free must not run ahead of them. step_factor: multiplies the time step, for a run that diverged at the step that its
@@ -71,7 +71,8 @@ class Dynamics:
         self.cloth, self.forces, self.limit, self.contact = cloth, forces, limit, contact
         self.fixed = np.zeros(cloth.particle_count, dtype=bool) if fixed is None else fixed
         self.equalise = False
-        self.drag = 0.0
+        self.drag: float | np.ndarray = 0.0
+        self._drag = np.zeros(cloth.particle_count)
         self.speed_cap_m_s = math.inf
         self.step_factor = self.softness = 1.0
         self.constraint: ConstraintPoints | None = None
@@ -163,7 +164,8 @@ class Dynamics:
 
     def _stretch(self, state: State, steps: int, hold: bool = False) -> None:
         contact, count, dt = self.contact, self.cloth.particle_count, state.time_step_s
-        controls = Controls(dt, self.drag, self.speed_cap_m_s, RUNAWAY_M_S, SURGE)
+        self._drag[:] = self.drag
+        controls = Controls(dt, self._drag, self.speed_cap_m_s, RUNAWAY_M_S, SURGE)
         laws, sums = law_arguments(self.forces.forces), self.forces.sums(self._masses)
         bonds = no_bonds() if self.constraint is None else self.constraint.bonds(state.constraint_speeds)
         contact.load(state)

@@ -23,6 +23,7 @@ class Residual:
 
     rms_g: float
     worst_patch_g: float
+    patches_g: np.ndarray  # RMS in each patch
 
     @property
     def at_rest(self) -> bool:
@@ -37,6 +38,12 @@ def patches(cloth: Cloth) -> np.ndarray:
     patch = np.zeros(cloth.particle_count, dtype=np.int64)
     patch[cloth.vertex_particle] = label.ravel()
     return patch
+
+
+def mean_over(patch: np.ndarray, masses: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Mass-weighted mean of values (P,) in each patch; 0 where nothing has mass."""
+    weight = np.bincount(patch, masses)
+    return np.bincount(patch, masses * values) / np.where(weight > 0.0, weight, 1.0)
 
 
 def residual(dynamics: Dynamics, state: State, patch: np.ndarray) -> Residual:
@@ -65,4 +72,4 @@ def residual(dynamics: Dynamics, state: State, patch: np.ndarray) -> Residual:
     means = np.linalg.norm(sums[whole] / weight[whole, None], axis=1)
     # Patches cut by the outline hold few particles; a mean over a few is no mean over 25. They count by their mass.
     share = np.minimum(1.0, weight[whole] / np.median(weight[whole]))
-    return Residual(rms, float((means * share).max()))
+    return Residual(rms, float((means * share).max()), np.sqrt(mean_over(patch, masses, (acceleration**2).sum(axis=1))))

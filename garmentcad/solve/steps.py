@@ -29,22 +29,22 @@ class Controls(NamedTuple):
     """Numbers of a stretch of steps, and what they report."""
 
     time_step: float  # s
-    drag: float  # 1/s
+    drag: np.ndarray  # (P,) 1/s
     speed_cap: float  # m/s, forces make no particle faster
     runaway: float  # m/s
     surge: float  # of the fastest speed before a response, up to which contact counts on it
 
 
 @kernel
-def _advance_of(particles, sums, rates, inverse_masses, velocities, out):  # type: ignore[no-untyped-def]
-    time_step, drag, cap = rates
+def _advance_of(particles, sums, rates, drag, inverse_masses, velocities, out):  # type: ignore[no-untyped-def]
+    time_step, cap = rates
     largest = 0.0
     for p in range(particles[0], particles[1]):
         fx = fy = fz = 0.0
         for j in range(sums.starts[p], sums.starts[p + 1]):
             k = sums.slots[j]
             fx, fy, fz = fx + sums.corner_forces[k, 0], fy + sums.corner_forces[k, 1], fz + sums.corner_forces[k, 2]
-        push, keep = time_step * inverse_masses[p], 1.0 - time_step * drag
+        push, keep = time_step * inverse_masses[p], 1.0 - time_step * drag[p]
         if push == 0.0:
             keep = 1.0
         x, y, z = keep * velocities[p, 0] + push * fx, keep * velocities[p, 1] + push * (fy - sums.weight[p]), keep * velocities[p, 2] + push * fz
@@ -58,11 +58,11 @@ def _advance_of(particles, sums, rates, inverse_masses, velocities, out):  # typ
 
 
 @parallel_kernel
-def advance_velocities(sums, rates, inverse_masses, velocities, out):  # type: ignore[no-untyped-def]
-    """Velocities in place; rates: time step, drag, speed cap; out (CHUNKS,2): largest squared speed in the first column."""
+def advance_velocities(sums, rates, drag, inverse_masses, velocities, out):  # type: ignore[no-untyped-def]
+    """Velocities in place; rates: time step, speed cap; drag (P,) 1/s; out (CHUNKS,2): largest squared speed in the first column."""
     count = len(sums.weight)
     for chunk in prange(CHUNKS):
-        _advance_of(chunk_range(chunk, count), sums, rates, inverse_masses, velocities, out[chunk])
+        _advance_of(chunk_range(chunk, count), sums, rates, drag, inverse_masses, velocities, out[chunk])
 
 
 @kernel
@@ -114,7 +114,7 @@ def run_steps(order, controls, laws, sums, bonds, limit, contact, clock):  # typ
             go_with_body(rules, leg, since, motion)
         if step > 0 or not resumed:
             write_internal(laws, positions, velocities, sums.corner_forces)
-            advance_velocities(sums, (dt, controls.drag, controls.speed_cap), inverse_masses, velocities, out)
+            advance_velocities(sums, (dt, controls.speed_cap), controls.drag, inverse_masses, velocities, out)
             fastest = _largest(out)
             if not fastest < controls.runaway:
                 return RUNAWAY
