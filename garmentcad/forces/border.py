@@ -292,7 +292,10 @@ class ForceBorder(OneLaw):
         # tension: |de_p/dx| by the triangle inequality along the fibre, and T/|u| across it, which only tension stiffens
         border = self._border
         gradients = border.warp_gradient, border.weft_gradient
-        gradient = sum(np.abs(parts) / length[:, None] for parts, length in zip(gradients, lengths))
+        # |dgamma/dx|^2 of a corner, from its parts along warp and weft, which enclose the trellis angle
+        along, across = (parts / length[:, None] for parts, length in zip(gradients, lengths))
+        lean = np.sum(vectors[0] * vectors[1], axis=1) / (lengths[0] * lengths[1])
+        gradient = np.sqrt(np.maximum(along**2 + across**2 - 2.0 * lean[:, None] * along * across, 0.0))
         bound = (shear * border.area)[:, None] * gradient * gradient.sum(axis=1, keepdims=True)
         for axis, vector, length, parts in zip((WARP, WEFT), vectors, lengths, gradients):
             reach = np.abs(parts).sum(axis=1)
