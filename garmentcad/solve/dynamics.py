@@ -18,7 +18,7 @@ from garmentcad.errors import GarmentError
 from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.internal import law_arguments
 from garmentcad.forces.time_step import SAFETY, measured_frequency
-from garmentcad.solve.steps import CUT, DONE, LOOK, MOST_CUTS, RUNAWAY, Controls, mean_square, run_steps
+from garmentcad.solve.steps import CUT, DONE, LOOK, MOST_CUTS, RUNAWAY, TORN, TORN_LENGTH, Controls, mean_square, run_steps
 from garmentcad.solve.strain_limit import StrainLimit
 
 # Steps between two looks at the stiffness; tangents change slowly at this scale.
@@ -31,14 +31,13 @@ RUNAWAY_M_S = 30.0
 
 
 class DivergedError(GarmentError):
-    """A particle became faster than any garment moves, or not a number. The message names its place on the pattern."""
+    """A particle became faster than any garment moves, or not a number, or a link far longer than any fabric lets it. The message names its place."""
 
     status = "diverged"
 
-    def __init__(self, cloth: Cloth, particle: int, speed: float, state: State) -> None:
-        place = _places(cloth, np.array([particle]))
+    def __init__(self, cloth: Cloth, particles: np.ndarray, cause: str, state: State) -> None:
         when = f"{state.time_s:.4f} s (step {state.step}, phase {state.phase}, time step {1e3 * state.time_step_s:.3g} ms)"
-        super().__init__(f"motion ran away: {place} reached {speed:.3g} m/s at {when}; the limit is {RUNAWAY_M_S:g} m/s")
+        super().__init__(f"motion ran away: {_places(cloth, particles)} {cause} at {when}")
 
 
 class IntersectingError(GarmentError):
@@ -197,6 +196,9 @@ class Dynamics:
             self.seconds["steps"] += t1 - t0
             if code == RUNAWAY:
                 self._check(state)
+            if code == TORN:
+                ends = self.cloth.links.ends[int(self._clock[4])]
+                raise DivergedError(self.cloth, ends, f"came apart: a link is over {TORN_LENGTH:g} times as long as its strain limit allows", state)
             resumed = code == LOOK
             if code == LOOK:
                 contact.detect(state, contact.fastest(state) * dt)
@@ -219,7 +221,7 @@ class Dynamics:
         squares = np.nan_to_num((state.velocities**2).sum(axis=1), nan=np.inf)
         worst = int(np.argmax(squares))
         if not squares[worst] < RUNAWAY_M_S**2:
-            raise DivergedError(self.cloth, worst, float(np.sqrt(squares[worst])), state)
+            raise DivergedError(self.cloth, np.array([worst]), f"reached {math.sqrt(squares[worst]):.3g} m/s, the limit is {RUNAWAY_M_S:g} m/s,", state)
 
     def net_forces(self, state: State) -> np.ndarray:
         """Forces of the laws and weight (P,3), N, at zero velocity; contact and constraints left out."""
