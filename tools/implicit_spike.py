@@ -46,11 +46,11 @@ NUDGE_M = 1e-7
 LARGEST_MOVE_M = 2e-3
 FORCING = 0.1  # of the residual of the linear system
 VERDICT = (
-    "Read so. To go 16 ms the explicit route takes about 170 steps at 10 mm, each with one evaluation of the forces. Conjugate gradients with blocks alone take",
-    "several times as many products with K, with tiles about as many, and fewer where steps are longer still; so the coarse space is the lead that PHYSICS 3 calls",
-    "it. In this form the implicit route is slower all the same: K is made by differences (a fifth to a tenth of its time), products run in interpreted sparse code,",
-    "and contact with friction, whose share of an explicit step is a half, is not in it yet. Drape mode keeps the explicit route until a compiled implicit one with",
-    "contact has been tried.",
+    "Read so. To go 16 ms the explicit route takes about 170 steps at 10 mm, each with one evaluation of the forces. Conjugate gradients with blocks",
+    "alone take several times as many products with K, with tiles about as many, and fewer where steps are longer still; so the coarse space is the lead",
+    "that PHYSICS 3 calls it. In this form the implicit route is slower all the same: K is made by differences (a fifth to a tenth of its time), products",
+    "run in interpreted sparse code, and contact with friction, whose share of an explicit step is a half, is not in it yet. Drape mode keeps the",
+    "explicit route until a compiled implicit one with contact has been tried.",
 )
 TIME_STEPS_MS = (0.25, 1.0, 4.0, 16.0)
 
