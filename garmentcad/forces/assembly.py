@@ -60,6 +60,11 @@ class ForceAssembly:
         """Sliders of cloth that was never strained, by name of force."""
         return {force.name: force.slack() for force in self.forces}
 
+    def drawn(self, positions: np.ndarray, share: float) -> dict[str, np.ndarray]:
+        """Sliders that hold, by name of force: the stick springs drawn by a share (-1 to 1) of their way at these positions."""
+        gauges = {force.name: force.gauge(positions) for force in self.forces}
+        return {name: gauge.strain - share * gauge.way for name, gauge in gauges.items()}
+
     def add_up(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray, sliders: dict[str, np.ndarray] | None = None) -> None:
         """Total force on each particle [N] into out (P,3), from positions [m] and velocities [m/s], both (P,3). sliders: moved in place; None: `slack`."""
         held = self.slack() if sliders is None else sliders

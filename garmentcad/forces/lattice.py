@@ -179,6 +179,7 @@ class ForceLattice:
             twist.write_rows(self._coefficients[_C_CELL + 4 : _C_BEND])
         if bend in self.laws:
             bend.write_rows(slots, inner.direction, self._coefficients[_C_BEND:])
+        numba.get_num_threads()  # starts the threads: before that a thread has no number by which it finds its room
         self._rooms = aligned_zeros(numba.config.NUMBA_NUM_THREADS, _ALL, slots.room)  # type: ignore[attr-defined]
         self.corners = slots.blocks.particle
 
