@@ -18,7 +18,7 @@ import numpy as np
 from garmentcad.arrays import indices, kernel
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.fabric.material import MaterialTable, bending_along
-from garmentcad.forces.force import OneLaw
+from garmentcad.forces.force import Gauge, OneLaw
 from garmentcad.forces.rows import PART
 
 
@@ -73,7 +73,14 @@ class ForceSpan(OneLaw):
         self.arguments = (self._spans,)
         self.corners = indices(spans.corners).ravel()
 
-    def write_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray) -> None:
+    def slack(self) -> np.ndarray:
+        return np.empty(0)
+
+    def gauge(self, positions: np.ndarray) -> Gauge:
+        none = np.empty(0)
+        return Gauge(none, none, none, none)
+
+    def write_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray, sliders: np.ndarray | None = None) -> None:
         write_span(*self.arguments, positions, velocities, out)
 
     def _left_and_along(self, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -82,7 +89,7 @@ class ForceSpan(OneLaw):
         side = positions[self._spans.corners[:, 2]] - positions[self._spans.corners[:, 1]]
         return left, side, np.sum(left * side, axis=1) / np.maximum(np.sum(side**2, axis=1), self._spans.least)
 
-    def energy(self, positions: np.ndarray) -> float:
+    def energy(self, positions: np.ndarray, sliders: np.ndarray | None = None) -> float:
         left, side, along = self._left_and_along(positions)
         return float(np.sum(0.5 * self._spans.stiffness * np.sum((left - along[:, None] * side) ** 2, axis=1)))
 

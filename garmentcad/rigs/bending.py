@@ -69,7 +69,7 @@ def bending_test(materials: MaterialTable, angle_deg: float, grid_mm: float, shi
         for per_cm in np.linspace(start, stop, STEPS + 1):
             given = _rolled(flat, still, turned, free, per_cm / _CM, step * MM_TO_M)
             positions = given + (modes @ specimen.balance.solve(given, modes, still_there)).reshape(-1, 3)
-            forces = specimen.balance.forces(positions)[turned]
+            forces = specimen.balance.keep(positions)[turned]
             arms = positions[turned] - positions[turned].mean(axis=0)
             moment = -np.cross(arms, forces)[:, 0].sum() / specimen.width
             points.append((per_cm, moment / GF_CM_CM_TO_N))

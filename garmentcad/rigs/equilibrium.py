@@ -30,7 +30,10 @@ class UnbalancedError(GarmentError):
 
 
 class Equilibrium:
-    """Finds where a cloth rests. axes: coordinates that may change (0, 1 for a specimen that stays flat)."""
+    """Finds where a cloth rests. axes: coordinates that may change (0, 1 for a specimen that stays flat).
+
+    Internal friction: sliders stay where the last state that was kept left them while the next one is sought; `keep` moves them.
+    """
 
     def __init__(self, cloth: Cloth, forces: ForceAssembly, axes: tuple[int, ...] = (0, 1, 2)) -> None:
         self._forces, self._axes, self._spacing = forces, axes, cloth.spacing
@@ -38,6 +41,7 @@ class Equilibrium:
         self._row, self._column = felt.tocoo().coords
         self._groups = _groups(felt)
         self._still = np.zeros((cloth.particle_count, 3))
+        self._sliders = forces.slack()
         self._factor: SuperLU | None = None
         self._stiffness = csr_array((0, 0))
         self._stiffest = self._first_anchor = 0.0
@@ -45,7 +49,13 @@ class Equilibrium:
     def forces(self, positions: np.ndarray) -> np.ndarray:
         """Force (P,3) [N] of the cloth on each particle; where a clamp holds, minus the reaction."""
         out = np.empty_like(positions)
-        self._forces.add_up(positions, self._still, out)
+        self._forces.add_up(positions, self._still, out, {name: array.copy() for name, array in self._sliders.items()})
+        return out
+
+    def keep(self, positions: np.ndarray) -> np.ndarray:
+        """The same force; from here on internal friction has been through this state."""
+        out = np.empty_like(positions)
+        self._forces.add_up(positions, self._still, out, self._sliders)
         return out
 
     def tangent(self, positions: np.ndarray) -> csr_array:

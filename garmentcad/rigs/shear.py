@@ -43,7 +43,7 @@ def shear_test(materials: MaterialTable, angle_deg: float, grid_mm: float, origi
             given = specimen.rest.copy()
             given[upper, 0] += gauge * tangent
             unknowns = specimen.balance.solve(given, modes, unknowns, load)
-            reaction = specimen.balance.forces(given + (modes @ unknowns).reshape(-1, 3))[lower].sum(axis=0) / (specimen.width * GF_CM_TO_N_M)
+            reaction = specimen.balance.keep(given + (modes @ unknowns).reshape(-1, 3))[lower].sum(axis=0) / (specimen.width * GF_CM_TO_N_M)
             sheared = gauge * tangent / (gauge + unknowns[-1])
             points.append((math.degrees(math.atan(sheared)), reaction[0] - reaction[1] * sheared))
         return Branch(*np.array(points).T)

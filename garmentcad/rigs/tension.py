@@ -35,7 +35,7 @@ def tension_test(
         for force in forces:
             load[-1] = force * GF_CM_TO_N_M * specimen.width
             unknowns = specimen.balance.solve(specimen.rest, modes, unknowns, load)
-            reaction = specimen.balance.forces(specimen.rest + (modes @ unknowns).reshape(-1, 3))[lower, 1].sum()
+            reaction = specimen.balance.keep(specimen.rest + (modes @ unknowns).reshape(-1, 3))[lower, 1].sum()
             points.append((100.0 * unknowns[-1] / (GAUGE_MM * MM_TO_M), reaction / specimen.width / GF_CM_TO_N_M))
         return Branch(*np.array(points).T)
 
