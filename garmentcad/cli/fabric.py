@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import json
-from typing import Annotated
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+if TYPE_CHECKING:
+    from garmentcad.rigs.passport import Passport
 
 app = typer.Typer(no_args_is_help=True, help="KES sheets.")
 
@@ -42,3 +47,73 @@ def show(
     for row in rows:
         table.add_row(row.key, f"{row.value:.4g}", row.unit, row.origin, row.finding)
     Console().print(table)
+
+
+@app.command("test")
+def write_passport(
+    name: Annotated[str, typer.Argument(help="A shipped fabric or a file.")],
+    out: Annotated[Path | None, typer.Option("--out", "-o", help="Folder of the passport. Default: out/fabric-NAME.")] = None,
+    grid: Annotated[float, typer.Option(help="Lattice spacing in mm; 12.5 leaves four cells between the clamps.", min=1.0, max=12.5)] = 10.0,
+    lays: Annotated[int, typer.Option(help="Lays on the drapemeter; 0 leaves it out.", min=0, max=100)] = 5,
+    disc: Annotated[str, typer.Option(help="Disc and specimen of the drapemeter, cm: 18/24, 18/30, 18/36 or 12.7/25.4.")] = "18/30",
+    as_json: Annotated[bool, typer.Option("--json", help="One JSON object and nothing else.")] = False,
+) -> None:
+    """The fabric passport: what virtual Kawabata testers and a drapemeter print of a sheet, beside the sheet.
+
+    A sheet without law values is calibrated first (minutes, once), and its file keeps them. Exit code 3 where a drape did not come to rest.
+    """
+    from garmentcad.errors import FileError, InputError
+    from garmentcad.export.report import report_json
+    from garmentcad.fabric.sheet import is_calibrated
+    from garmentcad.io.atomic import write_atomic
+    from garmentcad.io.fabric_file import fabric_path, load_fabric, write_law
+    from garmentcad.rigs.calibrate import calibrate
+    from garmentcad.rigs.cusick import GEOMETRIES
+    from garmentcad.rigs.passport import make_passport
+    from garmentcad.rigs.passport_page import write_page
+
+    def say(message: str) -> None:
+        if not as_json:
+            print(message, file=sys.stderr, flush=True)
+
+    path = fabric_path(name)
+    sheet = load_fabric(path).sheet
+    if disc not in GEOMETRIES:
+        raise InputError(f"{disc!r} came; allowed are {', '.join(GEOMETRIES)}", key="--disc")
+    if not is_calibrated(sheet):
+        sheet = calibrate(sheet, say=say)
+        assert sheet.law is not None
+        try:
+            if path.suffix.lower() == ".csv":
+                raise FileError("law values have no place in a CSV file", file=str(path))
+            write_law(path, sheet.law)
+        except FileError as error:
+            say(f"the calibration is not kept: {error}")
+    passport = make_passport(sheet, grid, lays, disc, say)
+    folder = out if out is not None else Path("out") / f"fabric-{sheet.name}"
+    write_atomic(folder / "passport.json", report_json(passport.figures))
+    write_page(folder / "passport.html", passport)
+    if as_json:
+        print(json.dumps(passport.figures, allow_nan=False))
+    else:
+        _print_passport(passport, folder)
+    raise typer.Exit(0 if passport.converged else 3)
+
+
+def _print_passport(passport: Passport, folder: Path) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(title=f"{passport.sheet.name} at {passport.figures['grid_mm']:g} mm", title_justify="left")
+    for column in ("value", "sheet", "virtual tester", "error, %"):
+        table.add_column(column, justify="right")
+    for key, row in passport.figures["kes"].items():
+        given, error = row["input"], row["error_percent"]
+        table.add_row(key, "-" if given is None else f"{given:.4g}", f"{row['simulated']:.4g}", "-" if error is None else f"{error:+.2f}")
+    drape = passport.figures["drape"]
+    if drape is not None:
+        table.add_row("drape coefficient, %", "", f"{drape['dc_percent']['mean']:.1f}", "")
+        table.add_row("nodes", "", f"{drape['nodes']['mean']:.1f}", "")
+    console = Console()
+    console.print(table)
+    console.print(f"  {folder / 'passport.html'}", highlight=False, soft_wrap=True)

@@ -10,7 +10,7 @@ from typing import Any
 from garmentcad.errors import FabricError
 from garmentcad.fabric.finding import Finding
 from garmentcad.fabric.missing import Completed, complete
-from garmentcad.fabric.sheet import KesSheet, sheet_data, sheet_from
+from garmentcad.fabric.sheet import CalibratedLaw, KesSheet, sheet_data, sheet_from
 from garmentcad.io.atomic import write_atomic
 from garmentcad.io.kes_csv import read_kes_csv
 from garmentcad.io.shipped import shipped_file, shipped_names
@@ -57,6 +57,20 @@ def load_fabric(path: str | Path) -> Completed:
 def write_fabric(path: str | Path, sheet: KesSheet) -> Path:
     """Write a sheet as a fabric file that `read_fabric` reads back to an equal sheet. FileError where the folder cannot be written."""
     return write_atomic(path, "\n".join(_lines(sheet_data(sheet), "")) + "\n")
+
+
+def write_law(path: str | Path, law: CalibratedLaw) -> Path:
+    """Put `law` into a YAML fabric file in place of one that stands there; every other line stays as it was typed. FileError where it cannot be written,
+    FabricError for a file that is no YAML fabric."""
+    read_fabric(path)
+    kept, inside = [], False
+    for line in Path(path).read_text(encoding="utf-8").splitlines():
+        if line.strip() and not line.startswith((" ", "\t", "#", "}")):
+            inside = line.startswith("law:")
+        if not inside:
+            kept.append(line)
+    text = "\n".join([*kept, *_lines({"law": law.model_dump()}, "")]) + "\n"
+    return write_atomic(path, text)
 
 
 def _lines(data: dict[str, Any], indent: str) -> list[str]:

@@ -1,14 +1,14 @@
 """KES-FB2: pure bending of a specimen 20 cm wide to 2.5 /cm on either side and back.
 
 Both ends are held in rigid clamps, of which one is turned and is free to go where no force acts on it. Curvature is rotation over free length, the moment
-that of the reactions at the turned clamp. The tester's specimen is 1 cm long; here at least LEAST_LINKS links are free, since a tester must not measure one
+that of the reactions at the turned clamp. The tester's specimen is 1 cm long; here at least LEAST_LINKS rows are free, since a tester must not measure one
 element. Weight is left out, as on the tester, whose specimen stands upright; so is contact of the rolled-up strip with itself.
 
-A clamp lies midway between two held rows: the bend line centred on the last held row stands for half a link on either side. Where rows run across the specimen at
-no constant distance, particles up to RAGGED spacings inside the clamp are held.
+A clamp lies midway between two held rows: the bend line centred on the last held row stands for half a link on either side. Where rows run across the
+specimen at no constant distance, particles up to RAGGED spacings inside the clamp are held.
 
-Off the grain a turn of much more than LARGEST_TURN rad between two rows is not resolved (chords of a cylinder: twist loses kappa^2 d^2/6): the curvature goes only so far there,
-and the window of B goes along.
+Off the grain a bent cell looks sheared: where the strip turns by t between two rows, the diagonal along it is a chord, and the trellis angle t^2/8 too large,
+which costs a moment in proportion to G (h kappa)^2 kappa. So the curvature goes only to t h = LARGEST_TURN x 10 mm there, and the window of B goes along.
 """
 
 from __future__ import annotations
@@ -27,7 +27,8 @@ LARGEST_PER_CM, STEPS = 2.5, 10  # on each way
 WINDOW = (0.2, 0.6)  # of the largest curvature: 0.5 and 1.5 /cm
 HYSTERESIS_AT = 0.4  # of the largest curvature: 1.0 /cm
 LEAST_LINKS, LEAST_MM = 8, 30.0
-LARGEST_TURN = 0.08
+LARGEST_FOLD = 2.5  # rad between two rows, along the grain
+LARGEST_TURN = 0.08  # rad between two rows at 10 mm
 RAGGED = 0.75
 GRIP = 3.0  # spacings of cloth in each clamp: elements that stand for the strip along the end lie wholly in it
 _CM = 1e-2
@@ -44,8 +45,8 @@ def row_distance_mm(grid_mm: float, angle_deg: float) -> float | None:
 def largest_curvature_per_cm(grid_mm: float, angle_deg: float) -> float:
     """How far a specimen is bent on a lattice."""
     if angle_deg % 90.0 == 0.0:
-        return LARGEST_PER_CM
-    return min(LARGEST_PER_CM, LARGEST_TURN / (0.1 * (row_distance_mm(grid_mm, angle_deg) or grid_mm)))
+        return min(LARGEST_PER_CM, LARGEST_FOLD / (0.1 * grid_mm))
+    return min(LARGEST_PER_CM, 100.0 * LARGEST_TURN / (grid_mm * (row_distance_mm(grid_mm, angle_deg) or grid_mm)))
 
 
 def bending_test(materials: MaterialTable, angle_deg: float, grid_mm: float, shift: float = 0.0) -> Loop:

@@ -8,16 +8,18 @@ kernels, many particles at a time: two particles that no force feels together ar
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from scipy.sparse import csc_array, csr_array, eye_array
-from scipy.sparse.linalg import SuperLU, splu
+from scipy.sparse.linalg import splu
 
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.errors import GarmentError
 from garmentcad.forces.assembly import ForceAssembly
 
 _DISPLACED = 1e-7  # of the lattice spacing, for the differences
-_CONVERGED = 1e-8  # of the lattice spacing: the last correction
+_CONVERGED = 1e-6  # of the lattice spacing: the last correction
 _LONGEST = 0.5  # of the lattice spacing: no particle goes farther in one correction
 _MOST_CORRECTIONS = 200
 _ANCHOR = 1e-8  # of the stiffest unknown: the weakest springs
@@ -42,7 +44,7 @@ class Equilibrium:
         self._groups = _groups(felt)
         self._still = np.zeros((cloth.particle_count, 3))
         self._sliders = forces.slack()
-        self._factor: SuperLU | None = None
+        self._factor: Any = None
         self._stiffness = csr_array((0, 0))
         self._stiffest = self._first_anchor = 0.0
 

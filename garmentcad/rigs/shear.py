@@ -1,7 +1,8 @@
 """KES-FB1 shear: a specimen 20 cm wide between clamps 5 cm apart, under 10 gf/cm, is sheared to 8 degrees on either side.
 
-One clamp slides sideways and keeps the tension by moving along. The angle is that of the line between the clamps. Of the sideways reaction per width the part is taken
-off that the tension has by leaning, F - T tan(angle): the tester's own correction (Kawabata 1980); of inextensible yarns G angle/cos(angle) is left.
+One clamp slides sideways and keeps the tension by moving along. The angle is that of the line between the clamps. Of the sideways reaction per width the
+part is taken off that the tension has by leaning, F - T tan(angle): the tester's own correction (Kawabata 1980); of inextensible yarns G angle/cos(angle)
+is left.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """KES-FB1 tension: a specimen 20 cm wide between clamps 5 cm apart is pulled up to Fm and let go.
 
-The clamps hold the short edges in both directions; the upper one follows the pull. Force per width is the reaction of the lower clamp, strain the way of the upper
-one over the gauge. Source: Kawabata 1980.
+The clamps hold the short edges in both directions; the upper one follows the pull. Force per width is the reaction of the lower clamp, strain
+the way of the upper one over the gauge. Source: Kawabata 1980.
 """
 
 from __future__ import annotations

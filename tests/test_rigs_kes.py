@@ -1,0 +1,148 @@
+"""Virtual KES testers against the formulas of clamped specimens, elastic and with loops; the calibration on testers made of a formula."""
+
+from __future__ import annotations
+
+import math
+
+import numba
+import numpy as np
+import pytest
+
+from garmentcad.fabric.material import MaterialTable, without_friction
+from garmentcad.fabric.sheet import KesSheet, is_calibrated
+from garmentcad.io.fabric_file import fabric_path, load_fabric, read_fabric, write_fabric, write_law
+from garmentcad.rigs import bending, shear
+from garmentcad.rigs import calibrate as calibration
+from garmentcad.rigs.bending import bending_test, printed_bending
+from garmentcad.rigs.calibrate import calibrate, corrections_percent
+from garmentcad.rigs.kes import Record, Tester, run_tester, sheet_materials
+from garmentcad.rigs.shear import printed_shear, shear_test
+from garmentcad.rigs.specimen import Specimen
+from garmentcad.rigs.tension import tension_test
+from garmentcad.units import GF_CM2_CM_TO_N_M, GF_CM_DEG_TO_N_M_RAD, GF_CM_TO_N_M
+
+numba.set_num_threads(1)
+
+SHEET = load_fabric(fabric_path("wool-suiting")).sheet
+MATERIALS = sheet_materials(SHEET)
+ELASTIC = without_friction(MATERIALS)
+
+
+@pytest.fixture(autouse=True)
+def few_points(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Records of the points that are read, and few others."""
+    monkeypatch.setattr(bending, "STEPS", 5)
+    monkeypatch.setattr(shear, "STEP_DEG", 0.5)
+
+
+def linear(warp: float = 2000.0, weft: float = 1200.0) -> MaterialTable:
+    """Linear elastic tension in N/m; shear, bending and twist of the sheet."""
+    force = np.array([[warp, weft]]) * 0.1
+    return ELASTIC._replace(
+        tension_strain=np.full((1, 2), 0.1),
+        tension_force=force,
+        tension_exponent=np.zeros((1, 2)),
+        tension_slope=10.0 * force,
+        strain_limit=np.full((1, 2), 0.3),
+    )
+
+
+def test_the_tangent_is_the_difference_of_forces_in_any_direction() -> None:
+    specimen = Specimen(ELASTIC, 60.0, 50.0, 10.0, 30.0, stays_flat=False)
+    rng = np.random.default_rng(1)
+    bent = (
+        specimen.rest + np.column_stack([np.zeros((len(specimen.rest), 2)), 30.0 * specimen.rest[:, 1] ** 2]) + rng.normal(scale=2e-4, size=specimen.rest.shape)
+    )
+    along = rng.normal(size=bent.shape)
+    step = 1e-8
+    differences = (specimen.balance.forces(bent + step * along) - specimen.balance.forces(bent - step * along)) / (2.0 * step)
+    tangent = (specimen.balance.tangent(bent) @ along.ravel()).reshape(-1, 3)
+    np.testing.assert_allclose(tangent, differences, atol=1e-4 * np.abs(differences).max())
+
+
+@pytest.mark.parametrize("origin", [None, (2.5, 2.5), (5.0, 5.0)])
+def test_tension_along_the_grain_is_the_sheet_wherever_the_lattice_lies(origin: tuple[float, float] | None) -> None:
+    way, angle = "weft", 90.0
+    out, _ = tension_test(ELASTIC, angle, 10.0, SHEET.number("Fm"), origin)
+    assert out.x[-1] == pytest.approx(SHEET.number(f"EMT.{way}"), rel=0.02)
+    assert out.y[-1] == pytest.approx(SHEET.number("Fm"), rel=1e-9)
+
+
+def test_a_clamped_specimen_cut_30_degrees_off_the_grain() -> None:
+    # PHYSICS 5; free edges carry less, the more the shorter yarns run from clamp to edge: 5 cm of 20
+    c, s = math.cos(math.radians(30.0)), math.sin(math.radians(30.0))
+    trellis = float(ELASTIC.shear[0])
+    out, _ = tension_test(linear(2000.0, 2000.0), 30.0, 10.0, 5.0)
+    modulus = out.y[-1] * GF_CM_TO_N_M / (0.01 * out.x[-1])
+    assert modulus == pytest.approx(2000.0 * (c**4 + s**4) + 4.0 * s * s * c * c * trellis, rel=0.35)
+    assert modulus < 2000.0 * (c**4 + s**4) + 4.0 * s * s * c * c * trellis
+
+
+def test_bending_along_and_across_the_grain_is_the_sheet() -> None:
+    for way, angle in (("warp", 0.0), ("weft", 90.0)):
+        assert printed_bending(bending_test(ELASTIC, angle, 10.0))["B"] == pytest.approx(SHEET.number(f"B.{way}"), rel=0.02)
+
+
+@pytest.mark.parametrize("angle", [30.0, 45.0])
+def test_bending_off_the_grain_is_that_of_an_orthotropic_plate(angle: float) -> None:
+    c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
+    (warp, weft), twist = ELASTIC.bending[0], float(ELASTIC.twist[0])
+    plate = (warp * c**4 + weft * s**4 + 4.0 * twist * s * s * c * c) / GF_CM2_CM_TO_N_M
+    assert printed_bending(bending_test(ELASTIC, angle, 10.0))["B"] == pytest.approx(plate, rel=0.05)
+
+
+def test_shear_loses_a_few_percent_at_the_free_edges() -> None:
+    printed = printed_shear(shear_test(ELASTIC, 0.0, 10.0), (0.5, 2.5))
+    law = float(ELASTIC.shear[0]) / GF_CM_DEG_TO_N_M_RAD
+    assert 0.95 * law < printed["G"] < 0.995 * law
+    assert abs(printed["2HG"]) < 1e-6 * law
+
+
+def test_loops_of_shear_and_bending_have_the_widths_of_the_sheet() -> None:
+    for tester in (Tester("shear", "warp"), Tester("bending", "warp")):
+        printed = run_tester(tester, SHEET, MATERIALS, 10.0).printed
+        for key, value in printed.items():
+            assert value == pytest.approx(SHEET.number(key), rel=0.05), key
+
+
+def test_calibration_makes_testers_that_lose_a_share_print_the_sheet(monkeypatch: pytest.MonkeyPatch) -> None:
+    lost = {"G": 0.96, "2HG": 0.95, "2HG5": 0.97, "B": 1.02, "2HB": 0.99, "LT": 1.0, "EMT": 1.01}
+
+    def print_law(tester: Tester, sheet: KesSheet, materials: MaterialTable, grid_mm: float) -> Record:
+        law = current[-1]
+        printed = {f"{name}.{tester.way}": lost.get(name, 1.0) * law[f"{name}.{tester.way}"] for name in calibration.SOLVED[tester.kind] if name != "RT"}
+        if tester.kind == "tension":
+            printed[f"RT.{tester.way}"] = 100.0 - 0.7 * (100.0 - law[f"RT.{tester.way}"]) - 2.0
+        return Record((), {key: value for key, value in printed.items() if key != "2HB.bias"})
+
+    current: list[dict[str, float]] = []
+
+    def remember(sheet: KesSheet) -> MaterialTable:
+        assert sheet.law is not None
+        current.append({**sheet.law.values, "2HB.bias": 0.0})
+        return MATERIALS
+
+    monkeypatch.setattr(calibration, "run_tester", print_law)
+    monkeypatch.setattr(calibration, "sheet_materials", remember)
+    done = calibrate(SHEET)
+    assert is_calibrated(done)
+    corrections = corrections_percent(done)
+    for name in ("G", "2HG", "2HG5", "B", "2HB", "EMT"):
+        assert corrections[f"{name}.warp"] == pytest.approx(100.0 / lost[name] - 100.0, abs=0.02)
+    assert done.law is not None
+    assert 0.7 * (100.0 - done.law.values["RT.warp"]) + 2.0 == pytest.approx(100.0 - SHEET.number("RT.warp"), rel=3e-3)
+
+
+def test_law_values_go_into_the_file_and_leave_every_other_line_as_it_was(tmp_path) -> None:
+    path = write_fabric(tmp_path / "mine.yaml", read_fabric(fabric_path("denim")))
+    path.write_text("# my own note\n" + path.read_text())
+    before = path.read_text()
+    sheet = load_fabric(path).sheet
+    for factor in (1.03, 1.05):
+        law = calibration.with_law(sheet, {"G.warp": factor * sheet.number("G.warp")}).law
+        assert law is not None
+        write_law(path, law)
+        done = load_fabric(path)
+        assert is_calibrated(done.sheet)
+        assert done.sheet.law == law
+        assert path.read_text().startswith(before)
