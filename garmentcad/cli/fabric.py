@@ -7,7 +7,10 @@ from typing import Annotated
 
 import typer
 
+from garmentcad.cli.fabric_fit import fit
+
 app = typer.Typer(no_args_is_help=True, help="KES sheets.")
+app.command("fit")(fit)
 
 
 @app.command("list")
