@@ -79,3 +79,13 @@ def test_a_value_twice_is_refused(tmp_path: Path) -> None:
 def test_two_fabrics_are_refused(tmp_path: Path) -> None:
     with pytest.raises(FileError, match="2 fabrics came"):
         read_fit_files([write(tmp_path, "two.csv", "name;W;E100\na;12;4\nb;13;5\n")])
+
+
+def test_the_how_to_says_what_comes_out(tmp_path: Path) -> None:
+    """The readings and the table of fitted values in docs/howto/from-fast-to-a-sheet.md."""
+    page = (Path(__file__).parent.parent / "docs" / "howto" / "from-fast-to-a-sheet.md").read_text(encoding="utf-8")
+    values, loops, findings = read_fit_files([write(tmp_path, "wool-dress.csv", page.split("```")[1])])
+    assert findings == []
+    for fitted in fit_sheet("wool-dress", "our laboratory", values, loops).fitted:
+        bounds = f"{fitted.low:.4g} to {fitted.high:.4g}" if fitted.key != "Fm" else ""
+        assert f"| {fitted.key.removesuffix('.mean')} | {fitted.value:.4g} | {bounds}" in page
