@@ -18,7 +18,7 @@ from garmentcad.fabric.fitted import FittedValue
 from garmentcad.fabric.recorded_loop import Leg, RecordedLoop, cut_legs, spread_by_noise, value_near
 
 MIN_IN_WINDOW = 4
-READING = 1e-3  # share of a value that a record resolves at best
+RESOLVED = 1e-3  # share of a value that a record resolves at best
 MOST_OFFSET = 0.1  # of the extent; more is a loop that was meant for one side
 
 
@@ -54,7 +54,7 @@ def fit_friction(loops: Sequence[RecordedLoop]) -> list[FittedValue]:
         low, high = READINGS[loop.test].window
         window = f", slope between {low:g} and {high:g} {READINGS[loop.test].unit}"
         for name, value in found.items():
-            half = spread[name] + 3.0 * abs(value - finer[name]) + READING * abs(value)  # a kink under the stretch errs in proportion to it
+            half = spread[name] + 3.0 * abs(value - finer[name]) + RESOLVED * abs(value)  # a kink under the stretch errs in proportion to it
             how = f"{loop.test} loop of {len(loop.x)} samples" + (window if name == READINGS[loop.test].stiffness else "")
             fitted.append(FittedValue(f"{name}.{loop.way}", value, max(0.0, value - half), value + half, how))
     return fitted

@@ -23,7 +23,7 @@ START = 0.1  # shares of the way out on which the zero of force and the end are 
 END = 0.1
 LEAST = 5  # samples of such a parabola
 MOST_OFFSET = 0.1  # share of Fm
-READING = 1e-3  # share of a value that a record resolves at best
+RESOLVED = 1e-3  # share of a value that a record resolves at best
 STEPS = 25.0  # of the trapezoid rule on a steep exponential: share of an area times the square of the number of samples
 
 
@@ -44,7 +44,7 @@ def fit_tension(loops: Sequence[RecordedLoop]) -> list[FittedValue]:
 
         found, spread = values(loop), spread_by_noise(loop, values)
         for name, value in found.items():
-            half = spread[name] + (READING + STEPS / len(loop.x) ** 2) * abs(value)
+            half = spread[name] + (RESOLVED + STEPS / len(loop.x) ** 2) * abs(value)
             fitted.append(FittedValue(f"{name}.{loop.way}", value, value - half, value + half, f"tension loop of {len(loop.x)} samples"))
     return fitted
 
