@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 
 from garmentcad.fabric import law_bending, law_shear, law_tension
 from garmentcad.fabric.internal_friction import dragged
-from garmentcad.fabric.law_tension import initial_slope, loading
+from garmentcad.fabric.law_tension import loading
 from garmentcad.fabric.material import material_row
 from garmentcad.fabric.missing import complete
 from garmentcad.fabric.sheet import sheet_from
@@ -127,7 +128,7 @@ def test_work_is_what_is_stored_and_lost(law) -> None:
     strains = np.concatenate([np.linspace(0.0, span, 4000), np.linspace(span, -0.2 * span, 4000), np.linspace(-0.2 * span, 0.7 * span, 4000)])
     slider = -WAYS[law] if law is tension else 0.0
     work = gone = before = 0.0
-    for strain, ahead in zip(strains, strains[1:]):
+    for strain, ahead in itertools.pairwise(strains):
         stress, _, after = law(strain, slider)
         middle = 0.5 * (strain + after)
         if law is shear:

@@ -14,7 +14,8 @@ class State:
 
     constraint_speeds: (R,3) m/s, what the constraints demand of their gaps at this moment.
     contact: arrays of the detection clock and the candidate lists, by contact name; owned by the contacts, kept here so that a resumed run needs no
-    extra detection. work_j: work done so far by the friction of contact and by internal friction. phase and rest: bookkeeping of the run (names in simulation/).
+    extra detection. work_j: work done so far by the friction of contact and by internal friction. phase and rest: bookkeeping of the run (names in
+    simulation/).
     """
 
     positions: np.ndarray

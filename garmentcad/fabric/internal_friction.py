@@ -20,4 +20,3 @@ from garmentcad.arrays import kernel
 def dragged(slider: float, strain: float, way: float) -> float:
     """Where a strain leaves its slider. way: d, in the same unit."""
     return min(max(slider, strain - way), strain + way)
-

@@ -2,7 +2,8 @@
 
 gamma [rad] is the departure of the angle between warp and weft from its rest value; T is force per width. H [N/m], half the width of the loop on the KES-FB1
 tester, is 2HG/2 below 0.5 degrees, rises linearly to 2HG5/2 at 5 degrees and is constant beyond. The slope G that the tester prints between 0.5 and 2.5
-degrees holds dH/dgamma, hence G_e = G - (2HG5 - 2HG)/(2 x 4.5 degrees); 1 gf/(cm deg) = 56.19 N/m per rad. Beyond the tester's 8 degrees T goes on with the same slope.
+degrees holds dH/dgamma, hence G_e = G - (2HG5 - 2HG)/(2 x 4.5 degrees); 1 gf/(cm deg) = 56.19 N/m per rad. Beyond the tester's 8 degrees T goes on with the
+same slope.
 """
 
 from __future__ import annotations

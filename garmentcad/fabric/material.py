@@ -153,8 +153,8 @@ def bending_along(materials: MaterialTable, material: np.ndarray, along_warp: np
 
 
 def bending_friction_along(materials: MaterialTable, material: np.ndarray, along_warp: np.ndarray) -> np.ndarray:
-    """H [N] of bending in a direction of rows `material`, from its cosine c to warp: H_warp c^2 + H_weft s^2 + H_twist |c s|, what a bend by kappa loses over all
-    three, which then bend by c^2, s^2 and c s kappa."""
+    """H [N] of bending in a direction of rows `material`, from its cosine c to warp: H_warp c^2 + H_weft s^2 + H_twist |c s|, what a bend by kappa loses
+    over all three, which then bend by c^2, s^2 and c s kappa."""
     warp2 = along_warp**2
     friction = materials.bending_friction[material]
     return np.asarray(friction[..., 0] * warp2 + friction[..., 1] * (1.0 - warp2) + materials.twist_friction[material] * np.sqrt(warp2 * (1.0 - warp2)))

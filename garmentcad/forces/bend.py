@@ -5,12 +5,14 @@
 
 so that the moment is B times the curvature t/l at any spacing. An arm may end at a point on a contour chord; its two particles share the force.
 
-Internal friction needs the sign that t has not. With n the unit normal of the cloth at the centre, toward the right side, and a, b the unit vectors of the arms,
+Internal friction needs the sign that t has not. With n the unit normal of the cloth at the centre, toward the right side, and a, b the unit vectors of the
+arms,
 
     r = n.(b - a) (t/2)/sin(t/2)   [rad]      E = STICK (B w/l) (r - s)^2/2      (fabric/law_bending.py; s slider)
 
-r is t, with the sign of the side to which the line bends, where it bends square to the cloth. n is along p x q: p and q join what lies before and behind the centre
-in the line and across it, neighbours that are missing at the border replaced by the centre. The gradient contains the normal's, so that a line has no net torque.
+r is t, with the sign of the side to which the line bends, where it bends square to the cloth. n is along p x q: p and q join what lies before and behind the
+centre in the line and across it, neighbours that are missing at the border replaced by the centre. The gradient contains the normal's, so that a line has no
+net torque.
 Source: KES-FB2, pure bending; Euler elastica in discrete form.
 """
 
@@ -54,8 +56,8 @@ def unit_normal(px, py, pz, qx, qy, qz, least):  # type: ignore[no-untyped-def]
 
 @inlined_kernel
 def line_forces(ax, ay, az, bx, by, bz, on_a, on_b, nx, ny, nz, stiffness, way, slider):  # type: ignore[no-untyped-def]
-    """A line from its unit arms, what their forces are divided by (1/length), the normal, coefficients and slider: the force on the end of arm a, minus that on the
-    end of arm b, the gradient of E on the normal, the slider after it, the energy lost [J]. Without branches."""
+    """A line from its unit arms, what their forces are divided by (1/length), the normal, coefficients and slider: the force on the end of arm a, minus that
+    on the end of arm b, the gradient of E on the normal, the slider after it, the energy lost [J]. Without branches."""
     x, y, z = ax + bx, ay + by, az + bz
     # half the angle, whose cosine is |a + b|/2 without cancellation
     half = math.sqrt(max(0.25 * (x * x + y * y + z * z), 0.25 * LEAST_SINE * LEAST_SINE))
@@ -99,9 +101,9 @@ def bend_row(span, origin, bends, spacing, motion, lines, pull, held):  # type: 
     """Weft and warp lines whose arms are the links before and behind their centres; span: first centre in the room, slots to the warp neighbour, number of
     centres; origin: slot at which the room begins.
 
-    bends (4,S): B w/l and d l of weft lines and of warp lines; motion (7,R): places, velocities, 1 where a slot holds a particle; lines (8,R): what `stretch_row`
-    wrote for the weft and the warp. The force on the first end of the link behind each centre is added to rows 0 to 2 (weft) and 6 to 8 (warp) of pull (12,R),
-    that on the first end of the link before it goes into rows 3 to 5 and 9 to 11, all at the centre.
+    bends (4,S): B w/l and d l of weft lines and of warp lines; motion (7,R): places, velocities, 1 where a slot holds a particle; lines (8,R): what
+    `stretch_row` wrote for the weft and the warp. The force on the first end of the link behind each centre is added to rows 0 to 2 (weft) and 6 to 8 (warp)
+    of pull (12,R), that on the first end of the link before it goes into rows 3 to 5 and 9 to 11, all at the centre.
     held: sliders (2,S) before, (2,R) after, energy lost (R,) [J], added to.
     """
     first, up, count = span
@@ -249,7 +251,8 @@ class ForceBend(OneLaw):
         return np.zeros(len(self.way))
 
     def gauge(self, positions: np.ndarray) -> Gauge:
-        return Gauge(self.strain(positions), self.way, np.where(self._direction == WEFT, CURVES.index("weft bending"), CURVES.index("warp bending")), self._lines.points[:, 0])
+        curve = np.where(self._direction == WEFT, CURVES.index("weft bending"), CURVES.index("warp bending"))
+        return Gauge(self.strain(positions), self.way, curve, self._lines.points[:, 0])
 
     def write_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray, sliders: np.ndarray | None = None) -> None:
         write_bend(*self.arguments, self.slack() if sliders is None else sliders, positions, velocities, out)
@@ -290,8 +293,8 @@ class ForceBend(OneLaw):
 
 
 def across_lines(lines: BendLines) -> np.ndarray:
-    """(B,2) particles before and behind the centre of each line across it: the nearer ends of the arms of the other line at the same centre, so ordered that line
-    x across points to the right side of the fabric; the centre itself where there is no such line."""
+    """(B,2) particles before and behind the centre of each line across it: the nearer ends of the arms of the other line at the same centre, so ordered that
+    line x across points to the right side of the fabric; the centre itself where there is no such line."""
     ends = np.column_stack([
         np.where(weight < 0.5, arm[:, 0], arm[:, 1]) for arm, weight in ((lines.arm_a, lines.weight_a), (lines.arm_b, lines.weight_b))
     ])  # fmt: skip

@@ -4,8 +4,9 @@
     patch p (the triangles t around a vertex):  e_p = sum_t(A_t (|u_t| - 1))/sum_t(A_t), alike in the weft,  A_p = sum_t(A_t)/3
     E = sum_p A_p (f_warp(e_p) + f_weft(e_p)) + sum_t A_t g(gamma_t)   [J]
 
-f and g are what the tensile and shear laws of the sheet store, each with its slider: two a patch, one a triangle. Averaging over patches keeps constant-strain triangles from locking in shear. The exact gradient is the
-patch stress pulled back: a triangle carries the mean stress of its three patches. Damping as in stretch.py and shear.py, on the rates of e_p and gamma_t.
+f and g are what the tensile and shear laws of the sheet store, each with its slider: two a patch, one a triangle. Averaging over patches keeps
+constant-strain triangles from locking in shear. The exact gradient is the patch stress pulled back: a triangle carries the mean stress of its three patches.
+Damping as in stretch.py and shear.py, on the rates of e_p and gamma_t.
 Source: patch averaging after nodally averaged triangles (Bonet and Burton 1998).
 """
 
@@ -134,8 +135,8 @@ def _mean_stresses(span, patch, means, stresses):  # type: ignore[no-untyped-def
 
 @kernel
 def _force_row(span, damping_time, parts, sliders, edges, directions, stresses):  # type: ignore[no-untyped-def]
-    """Forces on corners 1 and 2 of triangles, in place of their edges, and the energy lost [J], in place of their warp stress; span: first of the L and of the T
-    triangles, number. Moves the sliders (T,) of shear."""
+    """Forces on corners 1 and 2 of triangles, in place of their edges, and the energy lost [J], in place of their warp stress; span: first of the L and of
+    the T triangles, number. Moves the sliders (T,) of shear."""
     begin, first, count = span
     warp_b, warp_c, weft_b, weft_c = parts.gradients[0, begin:], parts.gradients[1, begin:], parts.gradients[2, begin:], parts.gradients[3, begin:]
     area, slider = parts.area[first:], sliders[first:]

@@ -16,7 +16,8 @@ from garmentcad.forces.twist import LEAST_NORMAL
 def cell_row(span, origin, cells, setting, motion, out, held):  # type: ignore[no-untyped-def]
     """Cells whose corners 00 are in a row; span: first slot in the room, slots to the corner 01, number of cells; origin: slot at which the room begins.
 
-    cells (6,S): of shear and of twist, see `write_rows` of each; setting: spacing, damping time; motion (6+,R). Forces on corners 00, 10, 11, 01 into out (12,R), at corner 00.
+    cells (6,S): of shear and of twist, see `write_rows` of each; setting: spacing, damping time; motion (6+,R). Forces on corners 00, 10, 11, 01 into out
+    (12,R), at corner 00.
     held: sliders of shear and twist (2,S) before, (2,R) after, energy lost (R,) [J], added to.
     """
     spacing, damping_time = setting

@@ -3,8 +3,9 @@
 Element forces never add into shared memory: each writes the force on every corner of every element once, and `ForceAssembly` gathers per particle
 in a fixed order. So the result has the same bits for any number of threads.
 
-Internal friction gives a force a memory: sliders (fabric/internal_friction.py), one for each curve that an element is measured on, which lie in `State.friction`
-by the force's name. Forces are written for given positions and sliders, and move the sliders to where these positions leave them; doing that twice changes nothing.
+Internal friction gives a force a memory: sliders (fabric/internal_friction.py), one for each curve that an element is measured on, which lie in
+`State.friction` by the force's name. Forces are written for given positions and sliders, and move the sliders to where these positions leave them; doing
+that twice changes nothing.
 """
 
 from __future__ import annotations
@@ -42,13 +43,15 @@ class Force(Protocol):
         """Of each slider."""
 
     def write_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray, sliders: np.ndarray | None = None) -> None:
-        """Force on each corner [N] into out (K,3), from positions [m] and velocities [m/s], both (P,3). Damping included. sliders: moved in place; None: `slack`."""
+        """Force on each corner [N] into out (K,3), from positions [m] and velocities [m/s], both (P,3). Damping included. sliders: moved in place; None:
+        `slack`."""
 
     def energies(self, positions: np.ndarray, sliders: np.ndarray | None = None) -> dict[str, float]:
         """Stored energy [J] by law, stick springs included."""
 
     def write_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
-        """Row sum bound of the current tangent, sum over j of |K_ij|, for each corner [N/m] into out (K,), stick springs included. Only what can raise a frequency counts."""
+        """Row sum bound of the current tangent, sum over j of |K_ij|, for each corner [N/m] into out (K,), stick springs included. Only what can raise a
+        frequency counts."""
 
 
 class BodyForce(Protocol):

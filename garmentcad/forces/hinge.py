@@ -4,8 +4,8 @@
     B_n = mean over both sides of B_warp c^4 + B_weft s^4 + 4 D66 c^2 s^2,  c cosine between the edge's normal and the warp
 
 theta [rad] is 0 where the two triangles are flat and positive where they fold toward the right side of the fabric. Corners: edge from 0 to 1, wing of side a
-on its left as seen from the right side of the fabric, wing of side b on its right. theta is the curvature times (A_a + A_b)/length, so far its slider's way. Source: orthotropic plate rotated to the edge (PHYSICS: B at angle t);
-factor counts the layers of the seam allowance.
+on its left as seen from the right side of the fabric, wing of side b on its right. theta is the curvature times (A_a + A_b)/length, so far its slider's way.
+Source: orthotropic plate rotated to the edge (PHYSICS: B at angle t); factor counts the layers of the seam allowance.
 """
 
 from __future__ import annotations

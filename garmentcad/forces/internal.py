@@ -48,9 +48,9 @@ def _one_bin(number, deal, first, blocks, coefficients, setting, rooms, border, 
 
 
 @parallel_kernel
-def _write_all(deal, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, of_lattice, of_border, of_bend, of_hinge, positions, velocities, out, lost):  # type: ignore[no-untyped-def]
+def _write_all(deal, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, s0, s1, s2, s3, positions, velocities, out, lost):  # type: ignore[no-untyped-def]
     for number in prange(BINS):
-        held = of_lattice, of_border, of_bend, of_hinge
+        held = s0, s1, s2, s3  # of lattice, border, bend, hinge
         _one_bin(np.int64(number), deal, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, held, positions, velocities, out, lost)
 
 
@@ -73,8 +73,8 @@ class Deal(NamedTuple):
 
 
 def law_arguments(forces: tuple[Any, ...], sliders: dict[str, np.ndarray], lost: np.ndarray) -> tuple[Any, ...]:
-    """Arguments of `write_internal` for the forces of `internal_forces`: the deal, where the corners of each begin, what each compiled law needs, the sliders by
-    name of force, which are moved, and lost (BINS,), to which the energy that they lose [J] is added."""
+    """Arguments of `write_internal` for the forces of `internal_forces`: the deal, where the corners of each begin, what each compiled law needs, the
+    sliders by name of force, which are moved, and lost (BINS,), to which the energy that they lose [J] is added."""
     if tuple(force.name for force in forces) != LAWS:
         raise ValueError(f"forces {[force.name for force in forces]}; the stepper knows {list(LAWS)}, in this order")
     lattice, border, bend, span, hinge = forces

@@ -19,13 +19,14 @@ from garmentcad.forces.shear import LawShear
 from garmentcad.forces.stretch import COEFFICIENTS, LawStretch, stretch_row
 from garmentcad.forces.twist import LawTwist
 
-# Where the coefficients of the elements lie (18,S): of weft and of warp links, of cells (shear, twist), of weft and of warp lines. See `write_rows` of each law.
+# Where the coefficients of the elements lie (18,S): of weft and of warp links, of cells (shear, twist), of weft and of warp lines. See `write_rows` of each
+# law.
 _C_WEFT, _C_WARP, _C_CELL, _C_BEND, _C_ALL = 0, COEFFICIENTS, 2 * COEFFICIENTS, 2 * COEFFICIENTS + 6, 2 * COEFFICIENTS + 10
 _WAYS = [2, COEFFICIENTS + 2, _C_CELL + 3, _C_CELL + 5, _C_BEND + 1, _C_BEND + 3]  # em and d: so large that what is no element never moves its slider
 # Where the sliders lie (6,S): of weft and of warp links, shear, twist, weft and warp lines, in the order of force.CURVES.
 _S_WEFT, _S_WARP, _S_CELL, _S_BEND, SLIDERS = 0, 1, 2, 4, 6
-# Where the fields of a block lie in its room (38,R): places, velocities and presence; directions of links, weft and warp, in their place later cells; pull and turn
-# of the weft, of the warp; sliders after; energy lost.
+# Where the fields of a block lie in its room (38,R): places, velocities and presence; directions of links, weft and warp, in their place later cells; pull
+# and turn of the weft, of the warp; sliders after; energy lost.
 _MOTION, _LINES, _WEFT, _WARP, _AFTER, _LOST, _ALL = 0, 7, 19, 25, 31, 37, 38
 _CELL = _LINES
 _SUMS = 8  # partial sums of what a block loses, so that the additions need not wait for each other
@@ -97,8 +98,8 @@ def _total(first, count, lost):  # type: ignore[no-untyped-def]
 
 @kernel
 def lattice_block(k, blocks, fabric, setting, positions, velocities, rooms, out):  # type: ignore[no-untyped-def]
-    """One block; fabric: coefficients (18,S), sliders (6,S). It reads sliders of the rows around it, which another thread may be moving: a slider that was moved for
-    these positions is not moved again, so that it does not matter. Returns the energy lost [J]."""
+    """One block; fabric: coefficients (18,S), sliders (6,S). It reads sliders of the rows around it, which another thread may be moving: a slider that was
+    moved for these positions is not moved again, so that it does not matter. Returns the energy lost [J]."""
     coefficients, sliders = fabric
     room = rooms[numba.get_thread_id()]
     first, size, up = np.int64(blocks.first[k]), np.int64(blocks.size[k]), np.int64(blocks.columns[k])
@@ -137,7 +138,8 @@ def lattice_block(k, blocks, fabric, setting, positions, velocities, rooms, out)
 
 @kernel
 def write_lattice(blocks, coefficients, setting, rooms, sliders, positions, velocities, out):  # type: ignore[no-untyped-def]
-    """Force on the particle of each slot into out (S,3); setting: h [m], damping time [s]; rooms (threads,38,R): scratch of each thread. Returns the energy lost [J]."""
+    """Force on the particle of each slot into out (S,3); setting: h [m], damping time [s]; rooms (threads,38,R): scratch of each thread. Returns the energy
+    lost [J]."""
     lost = 0.0
     for k in range(len(blocks.first)):
         # a cast, or it compiles for each of two types of k
@@ -164,7 +166,8 @@ class ForceLattice:
         bend = ForceBend(inner, slots.across(inner.center, inner.direction), materials)
         count = slots.count
         row = np.where(inner.direction == WEFT, _S_BEND, _S_BEND + 1)
-        places = {"stretch": stretch.at, "shear": _S_CELL * count + shear.at, "twist": (_S_CELL + 1) * count + twist.at, "bend": row * count + slots.slot[inner.center]}
+        places = {"stretch": stretch.at, "shear": _S_CELL * count + shear.at, "twist": (_S_CELL + 1) * count + twist.at}
+        places["bend"] = row * count + slots.slot[inner.center]
         self.laws = tuple(law for law in (stretch, shear, twist, bend) if law.name in laws)
         self._places = {law.name: places[law.name] for law in self.laws}
         self.damping_time = damping_time

@@ -1,10 +1,10 @@
 """The lattice as padded rows: where lattice forces are computed, so that neighbours lie at fixed distances and long loops use wide instructions.
 
-Every panel's lattice fills a rectangle of slots, row after row, with an empty slot at the end of each row and one empty row below and above. Slot i has its weft neighbour at i + 1 and its warp
-neighbour at i + columns. Every slot carries every element (weft link i to i + 1, warp link, cell to the upper right, weft and warp bend line centred at i);
-where an element does not exist, as at the end of a row, its coefficients are 0. So loops run on over row breaks. Blocks of rows are computed each by itself,
-elements first, then each slot adds up what concerns it, in one fixed order; elements between two blocks are computed in both. The blocks depend on the cloth
-alone: the same bits on any number of threads.
+Every panel's lattice fills a rectangle of slots, row after row, with an empty slot at the end of each row and one empty row below and above. Slot i has its
+weft neighbour at i + 1 and its warp neighbour at i + columns. Every slot carries every element (weft link i to i + 1, warp link, cell to the upper right,
+weft and warp bend line centred at i); where an element does not exist, as at the end of a row, its coefficients are 0. So loops run on over row breaks.
+Blocks of rows are computed each by itself, elements first, then each slot adds up what concerns it, in one fixed order; elements between two blocks are
+computed in both. The blocks depend on the cloth alone: the same bits on any number of threads.
 """
 
 from __future__ import annotations

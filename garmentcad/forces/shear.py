@@ -3,7 +3,8 @@
     u = (x01 + x11 - x00 - x10)/(2 h) mean warp,  w = (x10 + x11 - x00 - x01)/(2 h) mean weft,  gamma = asin(u.w/(|u| |w|))   [rad]
     E = A g(gamma, s)   [J]      T = g'(gamma, s) + tau G_e dgamma/dt   [N/m]
 
-g [J/m2] is what the shear law of the sheet stores, s its slider (fabric/law_shear.py), A the cell's area. Its gradient is exact: T A dgamma/du pulled back to the four corners.
+g [J/m2] is what the shear law of the sheet stores, s its slider (fabric/law_shear.py), A the cell's area. Its gradient is exact: T A dgamma/du pulled back
+to the four corners.
 Source: KES-FB1 shear, which measures the trellis angle; cells of four particles.
 """
 

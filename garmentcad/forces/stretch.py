@@ -3,8 +3,9 @@
     E = w l0 f(e, s)   [J]      e = |x_b - x_a|/l0 - 1
     F = w (T(e, s) + tau k de/dt)   [N] along the link
 
-T [N/m] is the tensile law of the sheet, s its slider, and f [J/m2] what it stores (fabric/law_tension.py), w the tributary width, l0 the rest length. Damping acts on the
-strain rate alone, with the initial slope k of the curve: when a link stiffens its damping ratio falls, so that damping never costs time step.
+T [N/m] is the tensile law of the sheet, s its slider, and f [J/m2] what it stores (fabric/law_tension.py), w the tributary width, l0 the rest length.
+Damping acts on the strain rate alone, with the initial slope k of the curve: when a link stiffens its damping ratio falls, so that damping never costs time
+step.
 Source: KES-FB1 curve; pairs of lattice neighbours after Provot (1995).
 """
 
@@ -32,7 +33,8 @@ COEFFICIENTS = 4
 
 @kernel
 def tension_force(strain, damped_rate, slider, rate, amplitude, em, stick):  # type: ignore[no-untyped-def]
-    """T + tau k de/dt from strain, tau de/dt, slider and coefficients, the slider after it and what it lost over its length: law_tension.py, without branches."""
+    """T + tau k de/dt from strain, tau de/dt, slider and coefficients, the slider after it and what it lost over its length: law_tension.py, without
+    branches."""
     inside = min(max(strain, 0.0), em)
     growth = expm1_smooth(rate * inside)
     slope = rate * (1.0 + growth)
@@ -50,8 +52,8 @@ def tension_force(strain, damped_rate, slider, rate, amplitude, em, stick):  # t
 def stretch_row(span, origin, links, setting, motion, lines, pull, held):  # type: ignore[no-untyped-def]
     """Links from each slot to a neighbour; span: first slot in the room, slots to the neighbour, number of links; origin: slot at which the room begins.
 
-    links (4,S): coefficients; setting: rest length, damping time; motion (6+,R). Into lines (4,R): the direction, shortened where a link is shorter than SHORTEST,
-    and 1/length; into pull (3+,R): the force on the first end. held: sliders (S,) before, (R,) after, energy lost (R,) [J].
+    links (4,S): coefficients; setting: rest length, damping time; motion (6+,R). Into lines (4,R): the direction, shortened where a link is shorter than
+    SHORTEST, and 1/length; into pull (3+,R): the force on the first end. held: sliders (S,) before, (R,) after, energy lost (R,) [J].
     """
     first, step, count = span
     rest, damping_time = setting

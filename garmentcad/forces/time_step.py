@@ -40,8 +40,8 @@ def internal_damping_time(stiffness: np.ndarray, masses: np.ndarray, ratio: floa
 
 
 def measured_frequency(forces: ForceAssembly, positions: np.ndarray, inverse_masses: np.ndarray) -> float:
-    """Highest angular frequency [rad/s] of small motions about `positions` (P,3), hardly too low, all of whose internal friction holds; inverse_masses (P,) [1/kg],
-    0 where a particle is held."""
+    """Highest angular frequency [rad/s] of small motions about `positions` (P,3), hardly too low, all of whose internal friction holds; inverse_masses (P,)
+    [1/kg], 0 where a particle is held."""
     root = np.sqrt(inverse_masses)[:, None]
     still, at_home, nudged = np.zeros_like(positions), np.empty_like(positions), np.empty_like(positions)
     sliders = forces.drawn(positions, STUCK)

@@ -42,9 +42,7 @@ def refined(coarse: Cloth, values: np.ndarray, fine: Cloth) -> np.ndarray:
     return np.column_stack([np.bincount(fine.vertex_particle, found[:, axis], fine.particle_count) / count for axis in range(values.shape[1])])
 
 
-def refined_sliders(
-    coarse: Cloth, before: ForceAssembly, state: State, fine: Cloth, after: ForceAssembly, positions: np.ndarray
-) -> dict[str, np.ndarray]:
+def refined_sliders(coarse: Cloth, before: ForceAssembly, state: State, fine: Cloth, after: ForceAssembly, positions: np.ndarray) -> dict[str, np.ndarray]:
     """Sliders for the forces `after` of `fine` at `positions`, from those of `state`, which belong to the forces `before` of `coarse`."""
     panel, uv, curve, drawn = [], [], [], []
     for force in before.forces:
