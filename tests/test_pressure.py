@@ -49,4 +49,4 @@ def test_pull_and_distance_do_not_count() -> None:
     assert found.kpa == pytest.approx([1.0, 0.0, 0.0, 2.0 / 3.0])
     assert found.summary()["mean_in_contact"] == pytest.approx((1.0 + 0.0 + 2.0) / 5.0)
     nothing = contact_pressure(force, normal, np.ones(4), 1e-3, np.ones(4)).summary()
-    assert nothing == {"max": None, "mean_in_contact": None}
+    assert nothing == {"max": None, "mean_in_contact": None, "p95": None}

@@ -8,17 +8,19 @@ import numpy as np
 import pytest
 from hand_made import flat, materials, rectangles
 
+from garmentcad.analysis.maps import fabric_maps
 from garmentcad.analysis.strain import (
+    bias_strain,
+    of_limit_percent,
     particle_mean,
     share_over_limit_percent,
-    strain_map,
     strain_percentiles,
     trellis,
     trellis_summary,
     weighted_quantile,
     yarn_strain,
 )
-from garmentcad.analysis.tension import tension_map, tension_n_m
+from garmentcad.analysis.tension import tension_n_m, tension_summary
 from garmentcad.analysis.tributary import particle_areas, triangle_areas
 from garmentcad.cloth.cloth import WARP, WEFT
 
@@ -89,9 +91,9 @@ def test_half_of_the_cloth_over_its_limit() -> None:
 
 def test_map_of_a_uniform_strain_is_uniform_across_seams() -> None:
     cloth = rectangles(6, 6, 0.01, 2, sewn=True)
-    warp, weft = (yarn_strain(cloth, np.zeros((cloth.particle_count, 3)), direction) for direction in (WARP, WEFT))
+    warp = yarn_strain(cloth, np.zeros((cloth.particle_count, 3)), WARP)
     assert particle_mean(warp, np.full(len(warp.strain), 0.03), cloth.particle_count) == pytest.approx(0.03)
-    assert strain_map(cloth, warp, weft) == pytest.approx(-1.0)
+    assert fabric_maps(cloth, np.zeros((cloth.particle_count, 3)), materials())["strain"] == pytest.approx(-1.0)
 
 
 def test_quantiles_are_weighted() -> None:
@@ -121,8 +123,34 @@ def test_tension_follows_the_tensile_curve() -> None:
     assert force(0.05, material=1) == pytest.approx(490.33 / 2.0)
 
 
-def test_tension_map_takes_the_larger_direction() -> None:
+def test_maps_take_the_larger_direction() -> None:
     cloth = rectangles(4, 4, 0.01, 1, sewn=False)
-    positions = flat(cloth) * [1.06, 1.0, 1.0]
-    warp, weft = (yarn_strain(cloth, positions, direction) for direction in (WARP, WEFT))
-    assert tension_map(cloth, warp, weft, materials()) == pytest.approx(490.33)
+    maps = fabric_maps(cloth, flat(cloth) * [1.06, 1.02, 1.0], materials())
+    assert maps["tension"] == pytest.approx(490.33)
+    assert (maps["strain"], maps["warp"], maps["weft"]) == (pytest.approx(0.06), pytest.approx(0.02), pytest.approx(0.06))
+    assert maps["limit"] == pytest.approx(0.75)  # weft 6 of 8 %, warp 2 of 5 %
+    found = tension_summary(yarn_strain(cloth, flat(cloth) * [1.06, 1.02, 1.0], WEFT), materials(), WEFT)
+    assert found == {"p50": pytest.approx(490.33), "p99": pytest.approx(490.33), "max": pytest.approx(490.33)}
+
+
+@pytest.mark.parametrize("border", [False, True])
+def test_bias_strain(border: bool) -> None:
+    """Simple shear of angle g: the diagonals of a unit square become sqrt((1 +- tan g)^2 + 1). Equal stretch of both yarns stretches the bias alike."""
+    cloth = rectangles(8, 6, 0.01, 1, sewn=False, border=border)
+    stretched = strain_percentiles(*bias_strain(cloth, flat(cloth) * [1.03, 1.03, 1.0]))
+    assert list(stretched.values()) == pytest.approx([3.0] * 4, abs=1e-9)
+    positions, slope = flat(cloth), 0.1
+    positions[:, 0] += slope * positions[:, 1]
+    one, other = bias_strain(cloth, positions)
+    longer, shorter = (math.sqrt((1.0 + sign * slope) ** 2 + 1.0) / math.sqrt(2.0) - 1.0 for sign in (1.0, -1.0))
+    assert one.strain == pytest.approx(longer)
+    assert other.strain == pytest.approx(shorter)
+    assert one.area.sum() == pytest.approx(48e-4)
+    assert fabric_maps(cloth, positions, materials())["bias"].max() == pytest.approx(longer)
+
+
+def test_strain_of_the_fabric_s_own_limit() -> None:
+    cloth = rectangles(4, 8, 0.01, 1, sewn=False)
+    positions = flat(cloth) * [0.99, 1.06, 1.0]
+    warp, weft = yarn_strain(cloth, positions, WARP), yarn_strain(cloth, positions, WEFT)
+    assert of_limit_percent(warp, weft, materials()) == {"warp": {"p99": pytest.approx(120.0), "max": pytest.approx(120.0)}, "weft": {"p99": 0.0, "max": 0.0}}

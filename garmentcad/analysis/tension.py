@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from garmentcad.analysis.strain import YarnStrain, particle_mean
-from garmentcad.cloth.cloth import WARP, WEFT, Cloth
+from garmentcad.analysis.strain import YarnStrain, weighted_quantile
 from garmentcad.fabric.material import MaterialTable
 
 
@@ -27,11 +26,8 @@ def tension_n_m(strain: np.ndarray, material: np.ndarray, materials: MaterialTab
     return fm * (curve + slope * (u - inside))
 
 
-def tension_map(cloth: Cloth, warp: YarnStrain, weft: YarnStrain, materials: MaterialTable) -> np.ndarray:
-    """The larger of mean warp and mean weft tension around each particle (P,), N/m."""
-    return np.maximum(
-        *(
-            particle_mean(part, tension_n_m(part.strain, part.material, materials, direction), cloth.particle_count)
-            for direction, part in ((WARP, warp), (WEFT, weft))
-        )
-    )
+def tension_summary(part: YarnStrain, materials: MaterialTable, direction: int) -> dict[str, float | None]:
+    """{p50, p99, max} of the tension along `direction` (WARP or WEFT), N/m, weighted by area; None for a cloth without such elements."""
+    tension = tension_n_m(part.strain, part.material, materials, direction)
+    quantiles = {f"p{percent}": weighted_quantile(tension, part.area, percent / 100.0) for percent in (50, 99)}
+    return quantiles | {"max": float(tension.max()) if len(tension) else None}

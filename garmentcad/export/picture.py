@@ -68,8 +68,8 @@ def render_picture(
 ) -> Path:
     """Draw the garment at positions (P,3) m on its mannequin into a PNG file.
 
-    view: front, back, left, right, three-quarter. map_name: none, strain (values without unit), tension (N/m), pressure (kPa); values: (P,) one a particle,
-    as in `Measures.maps`. Raises ViewMissing without the extra, InputError for an unknown view or map.
+    view: front, back, left, right, three-quarter. map_name: none or a name of `color_map.MAPS`; values: (P,) one a particle, as in `Measures.maps`. Raises
+    ViewMissing without the extra, InputError for an unknown view or map.
     """
     painted_map = None
     if map_name != "none":
@@ -96,7 +96,7 @@ def render_pictures(
     def write(view: str) -> Path:
         picture = image.fromarray(_draw(scene, cameras[view]))
         if painted_map is not None:
-            legend.draw_legend(picture, painted_map)
+            legend.draw_legend(picture, painted_map, cameras[view].metres_a_pixel())
         buffer = io.BytesIO()
         picture.save(buffer, format="PNG", compress_level=COMPRESSION)
         return write_atomic(paths[view], buffer.getvalue())
