@@ -21,7 +21,7 @@ from garmentcad.analysis.strain import (
     yarn_strain,
 )
 from garmentcad.analysis.tension import tension_n_m, tension_summary
-from garmentcad.analysis.tributary import particle_areas, triangle_areas
+from garmentcad.analysis.tributary import draped_areas
 from garmentcad.cloth.cloth import WARP, WEFT
 
 
@@ -73,8 +73,10 @@ def test_area_of_elements_is_the_cloth_in_both_directions() -> None:
         for direction in (WARP, WEFT):
             assert yarn_strain(cloth, flat(cloth), direction).area.sum() == pytest.approx(28e-4)
         assert trellis(cloth, flat(cloth)).area.sum() == pytest.approx(28e-4)
-        assert particle_areas(cloth).sum() == pytest.approx(28e-4)
-        assert triangle_areas(cloth) == pytest.approx(np.full(56, 0.5e-4))
+        assert draped_areas(cloth, flat(cloth)).sum() == pytest.approx(28e-4)
+        assert draped_areas(cloth, flat(cloth) * [1.1, 0.9, 1.0]).sum() == pytest.approx(0.99 * 28e-4)
+    corner, side, middle = draped_areas(cloth := rectangles(7, 4, 0.01, 1, sewn=False), flat(cloth))[[0, 1, 9]]
+    assert [corner, side, middle] == pytest.approx([0.25e-4, 0.5e-4, 1e-4])
 
 
 def test_half_of_the_cloth_over_its_limit() -> None:

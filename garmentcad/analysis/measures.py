@@ -11,7 +11,8 @@ from garmentcad.analysis.carried import Carried, carried
 from garmentcad.analysis.ease import Ease, garment_ease
 from garmentcad.analysis.hem import HemHeight, hem_height
 from garmentcad.analysis.maps import fabric_maps
-from garmentcad.analysis.pressure import CONTACT_KEYS, SUPPORT_KEYS, ContactPressure
+from garmentcad.analysis.on_body import OnBody
+from garmentcad.analysis.pressure import CONTACT_KEYS, SUPPORT_KEYS
 from garmentcad.analysis.seam_tension import SeamTension
 from garmentcad.analysis.strain import (
     AXES,
@@ -33,14 +34,6 @@ from garmentcad.units import GRAVITY_M_S2, M_TO_MM
 
 HEM = "hem"
 DISTANCE_KEYS = ("p5", "p50", "p95", "max")
-
-
-@dataclass(frozen=True)
-class OnBody:
-    """What a garment has to do with the body under it. distance_m: (P,) signed distance of the particles from it."""
-
-    distance_m: np.ndarray
-    pressure: ContactPressure
 
 
 @dataclass(frozen=True)

@@ -7,17 +7,14 @@ from importlib.metadata import version
 
 import numba
 import numpy as np
-from scipy.spatial import cKDTree
 
 from garmentcad import __version__
 from garmentcad.analysis.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
-from garmentcad.analysis.measures import Measures, OnBody, measure
-from garmentcad.analysis.penetration import distances_and_normals, penetration_mm
-from garmentcad.analysis.pressure import contact_pressure
+from garmentcad.analysis.measures import Measures, measure
+from garmentcad.analysis.on_body import on_body
+from garmentcad.analysis.penetration import penetration_mm
 from garmentcad.analysis.run_record import RunRecord, Status
 from garmentcad.analysis.seam_tension import SeamTension, seam_tension
-from garmentcad.analysis.tributary import draped_areas
-from garmentcad.contact.body import kept_gap
 from garmentcad.fabric.sheet import is_calibrated
 from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.gravity import ForceGravity
@@ -33,14 +30,14 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
     """Judge and measure the final state of a run."""
     job, cloth, state, body = outcome.job, outcome.cloth, outcome.state, outcome.job.mannequin
     finite = bool(np.isfinite(state.positions).all())
-    crossings = touching = depth = None
+    crossings = touching = depth = worn = seams = None
     status: Status = outcome.status  # type: ignore[assignment]
     if finite:
         triangles = cloth.particle_triangles
         crossings = len(crossing_triangle_pairs(state.positions, triangles))
         touching = len(crossing_triangle_pairs_between(state.positions, triangles, body.vertices, body.faces))
-        distance, normal = distances_and_normals(state.positions, body.vertices, body.faces)
-        depth = penetration_mm(state.positions, triangles, body.vertices, body.faces, distance)
+        worn = on_body(cloth, outcome.materials, body, state.positions, outcome.dynamics.net_forces(state))
+        depth = penetration_mm(state.positions, triangles, body.vertices, body.faces, worn.distance_m)
         if crossings or touching or depth > 0.0:
             status = "intersecting"
     elif status == "converged":
@@ -91,13 +88,9 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
             key = f"{panel.name}.{edge.name}"  # once, where darts cut it into pieces
             if edge.role is not None and key not in roles.setdefault(edge.role, []):
                 roles[edge.role].append(key)
-    on_body = seams = None
     if finite:
-        gap = kept_gap(cloth, outcome.materials, body.vertices, body.faces, cKDTree(body.vertices).query(state.positions)[1])
-        areas = draped_areas(cloth, state.positions)
-        on_body = OnBody(distance, contact_pressure(outcome.dynamics.net_forces(state), normal, distance, gap, areas))
         seams = _seams(outcome)
-    return made, measure(cloth, state.positions, outcome.materials, body, roles, place_vertices(job.pattern, cloth, body), on_body, seams)
+    return made, measure(cloth, state.positions, outcome.materials, body, roles, place_vertices(job.pattern, cloth, body), worn, seams)
 
 
 def _seams(outcome: Outcome) -> dict[str, SeamTension | None]:
