@@ -20,7 +20,7 @@ from garmentcad.analysis.strain import (
     weighted_quantile,
     yarn_strain,
 )
-from garmentcad.analysis.tension import tension_n_m, tension_summary
+from garmentcad.analysis.tension import carried_strain, tension_n_m, tension_summary
 from garmentcad.analysis.tributary import draped_areas
 from garmentcad.cloth.cloth import WARP, WEFT
 
@@ -131,8 +131,22 @@ def test_maps_take_the_larger_direction() -> None:
     assert maps["tension"] == pytest.approx(490.33)
     assert (maps["strain"], maps["warp"], maps["weft"]) == (pytest.approx(0.06), pytest.approx(0.02), pytest.approx(0.06))
     assert maps["limit"] == pytest.approx(0.75)  # weft 6 of 8 %, warp 2 of 5 %
-    found = tension_summary(yarn_strain(cloth, flat(cloth) * [1.06, 1.02, 1.0], WEFT), materials(), WEFT)
+    found = tension_summary(cloth, flat(cloth) * [1.06, 1.02, 1.0], materials(), WEFT)
     assert found == {"p50": pytest.approx(490.33), "p99": pytest.approx(490.33), "max": pytest.approx(490.33)}
+
+
+def test_tension_of_the_border_is_that_of_its_patches() -> None:
+    """A zigzag of the middle row: single triangles are strained one way and the other, their means around each particle are not."""
+    cloth = rectangles(2, 2, 0.01, 1, sewn=False, border=True)
+    positions = flat(cloth)
+    positions[4, 1] += 2e-4
+    single = yarn_strain(cloth, positions, WARP).strain
+    assert (single.min(), single.max()) == pytest.approx((-0.02, 0.02))
+    around_middle = np.flatnonzero((cloth.particle_triangles == 4).any(axis=1))
+    carried = carried_strain(cloth, positions, WARP)
+    at_middle = carried.strain[carried.particles[:, 0] == 4]
+    assert at_middle == pytest.approx(single[around_middle].mean(), abs=1e-12)
+    assert carried.area.sum() == pytest.approx(4e-4)
 
 
 @pytest.mark.parametrize("border", [False, True])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from garmentcad.analysis.strain import bias_strain, particle_mean, share_of_limit, yarn_strain
-from garmentcad.analysis.tension import tension_n_m
+from garmentcad.analysis.tension import carried_strain, tension_n_m
 from garmentcad.cloth.cloth import WARP, WEFT, Cloth
 from garmentcad.fabric.material import MaterialTable
 
@@ -20,7 +20,8 @@ def fabric_maps(cloth: Cloth, positions: np.ndarray, materials: MaterialTable) -
     yarns = {direction: yarn_strain(cloth, positions, direction) for direction in (WARP, WEFT)}
     warp, weft = (particle_mean(part, part.strain, count) for part in yarns.values())
     limit = [particle_mean(part, share_of_limit(part, direction, materials), count) for direction, part in yarns.items()]
-    tension = [particle_mean(part, tension_n_m(part.strain, part.material, materials, direction), count) for direction, part in yarns.items()]
+    carried = {direction: carried_strain(cloth, positions, direction) for direction in yarns}
+    tension = [particle_mean(part, tension_n_m(part.strain, part.material, materials, direction), count) for direction, part in carried.items()]
     return {
         "strain": np.maximum(warp, weft),
         "warp": warp,

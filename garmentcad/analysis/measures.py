@@ -94,7 +94,7 @@ def measure(
         len(cloth.panel_names),
         strain_percent={"warp": strain_percentiles(warp), "weft": strain_percentiles(weft), "bias": strain_percentiles(*bias_strain(cloth, positions))},
         strain_of_limit_percent=of_limit_percent(warp, weft, materials),
-        tension_n_m={axis: tension_summary(part, materials, direction) for axis, part, direction in zip(AXES, (warp, weft), (WARP, WEFT))},
+        tension_n_m={axis: tension_summary(cloth, positions, materials, direction) for axis, direction in zip(AXES, (WARP, WEFT))},
         trellis_deg=trellis_summary(trellis(cloth, positions)),
         strain_over_limit_percent=share_over_limit_percent(warp, weft, materials),
         ease={} if mannequin is None else garment_ease(cloth, positions, mannequin),

@@ -32,6 +32,7 @@ MAPS = {
     "tension": MapKind("tension along\nthe yarns", "N/m", 1.0, _WARM),
     "pressure": MapKind("pressure\non the body", "kPa", 1.0, _COOL),
     "friction": MapKind("friction\non the body", "kPa", 1.0, _COOL),
+    "apart": MapKind("distance\nfrom B", "mm", 1.0, _WARM),
     "distance": MapKind("distance\nfrom body", "mm", 1.0, _GREEN),
 }
 TOP_PERCENTILE = 99.5
