@@ -18,7 +18,7 @@ from test_fit import worn
 from garmentcad.analysis.comparison import shape_difference
 from garmentcad.cloth.state import State
 from garmentcad.errors import InputError
-from garmentcad.export.compare import compare, comparison_table, draw_comparison, write_comparison
+from garmentcad.export.compare import compare, comparison_tables, draw_comparison, write_comparison
 from garmentcad.export.result_folder import Result
 
 
@@ -63,7 +63,8 @@ def test_table_and_files(tmp_path: Path) -> None:
     rows = {row["quantity"]: row for row in csv.DictReader(io.StringIO(write_comparison(tmp_path / "c.csv", a, b, found, "front", "none").read_text()))}
     assert float(rows["hem_height_mm"]["b"]) - float(rows["hem_height_mm"]["a"]) == pytest.approx(12.0)
     console = Console(width=140, record=True, file=io.StringIO())
-    console.print(comparison_table(found))
+    for table in comparison_tables(found):
+        console.print(table)
     assert "denim" in console.export_text()
     with pytest.raises(InputError, match=r"\.png"):
         write_comparison(tmp_path / "c.pdf", a, b, found, "front", "none")

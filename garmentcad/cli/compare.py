@@ -23,7 +23,7 @@ def compare(
     from rich.console import Console
 
     from garmentcad.export.compare import compare as compared
-    from garmentcad.export.compare import comparison_data, comparison_table, write_comparison
+    from garmentcad.export.compare import comparison_data, comparison_tables, write_comparison
     from garmentcad.export.result_folder import read_result_folder
 
     one, other = read_result_folder(a), read_result_folder(b)
@@ -33,6 +33,7 @@ def compare(
     if as_json:
         print(json.dumps(comparison_data(found), allow_nan=False))
         return
-    Console().print(comparison_table(found))
+    for table in comparison_tables(found):
+        Console().print(table)
     if out is not None:
         print(out)

@@ -18,7 +18,7 @@ from garmentcad.errors import InputError
 from garmentcad.export import legend
 from garmentcad.export.camera import frame
 from garmentcad.export.color_map import MAPS, TOP_PERCENTILE, painted, round_up
-from garmentcad.export.fit import csv_text, shown
+from garmentcad.export.fit import csv_text, plain_table, shown
 from garmentcad.export.picture import COMPRESSION, HEIGHT_PX, draw_picture
 from garmentcad.export.result_folder import Result
 from garmentcad.io.atomic import write_atomic
@@ -67,21 +67,21 @@ def comparison_data(found: Comparison) -> dict[str, Any]:
     }
 
 
-def comparison_table(found: Comparison) -> Table:
-    """Every figure that one of both has, for the terminal."""
-    table = Table(title=f"surfaces apart: RMS {found.shape.rms_mm:.1f} mm, at most {found.shape.max_mm:.1f} mm", title_justify="left")
-    table.add_column("quantity", no_wrap=True)
-    for head in ("A", "B", "B - A"):
-        table.add_column(head, justify="right")
+def comparison_tables(found: Comparison) -> list[Table]:
+    """For the terminal: what the two are, and every figure that one of both has."""
+    identity = plain_table("", "A", "B")
+    for name, pair in found.unlike.items():
+        if not name.endswith("sha256"):
+            identity.add_row(name, *("–" if value is None else str(value) for value in pair))
+    table = plain_table("quantity", "A", "B", "B - A")
     table.add_column("unit")
-    for name, (one, other) in found.unlike.items():
-        table.add_row(name, _short(one), _short(other), "", "")
-    table.add_section()
-    for name, pair in found.rows.items():
-        if any(_value(figure) is not None for figure in pair):
-            apart = difference(pair)
-            table.add_row(name, shown(pair[0]), shown(pair[1]), shown(apart), apart.unit)
-    return table
+    for name, values in found.rows.items():
+        if any(_value(figure) is not None for figure in values):
+            apart = difference(values)
+            table.add_row(name, shown(values[0]), shown(values[1]), shown(apart), apart.unit)
+    for name, distance in (("surfaces apart, RMS", found.shape.rms_mm), ("surfaces apart, at most", found.shape.max_mm)):
+        table.add_row(name, "", "", f"{distance:.1f}", "mm")
+    return [part for part in (identity, table) if part.row_count]
 
 
 def write_comparison(path: Path, a: Result, b: Result, found: Comparison, view: str, map_name: str) -> Path:
@@ -135,7 +135,3 @@ def _write_title(tile: Any, text: str) -> None:
 
 def _value(figure: Figure | None) -> float | None:
     return None if figure is None else figure.value
-
-
-def _short(value: Any) -> str:
-    return "–" if value is None else str(value)[:24]

@@ -84,7 +84,7 @@ def fit_tables(fit: Mapping[str, Any]) -> list[Table]:
     def cell(path: str) -> str:
         return shown(found.get(path)) + (f" ± {bars[path]:.2g}" if bars.get(path) else "")
 
-    lines = _table("line", "body mm", "ease mm", "pattern ease mm", "level mm")
+    lines = plain_table("line", "body mm", "ease mm", "pattern ease mm", "level mm")
     for name, ease in fit.get("ease_mm", {}).items():
         if ease is not None:
             lines.add_row(name, *(cell(f"{key}.{name}") for key in ("body_girth_mm", "ease_mm", "pattern_ease_mm", "ease_level_mm")))
@@ -92,11 +92,11 @@ def fit_tables(fit: Mapping[str, Any]) -> list[Table]:
         for parts in loops:
             lines.add_row(f"{name} ({parts})", *(cell(f"lines.{name}.{parts}.{key}") for key in ("body_mm", "ease_mm", "pattern_ease_mm")), "")
     lines.title = f"{fit['garment']} · {fit['fabric']} · {fit['mannequin']} · {fit['grid_mm']:g} mm"
-    seams = _table("seam", "length mm", "across N/m", "most N/m", "along N/m")
+    seams = plain_table("seam", "length mm", "across N/m", "most N/m", "along N/m")
     for name, seam in fit.get("seam_tension", {}).items():
         if seam is not None:
             seams.add_row(name, *(cell(f"seam_tension.{name}.{key}") for key in ("length_mm", "mean_n_m", "max_n_m", "along_n_m")))
-    rest = _table("quantity", "value")
+    rest = plain_table("quantity", "value")
     rest.add_column("unit")
     for path, figure in found.items():
         if figure.value is not None and path.split(".")[0] not in _OWN_TABLE:
@@ -104,7 +104,8 @@ def fit_tables(fit: Mapping[str, Any]) -> list[Table]:
     return [table for table in (lines, seams, rest) if table.row_count]
 
 
-def _table(first: str, *others: str) -> Table:
+def plain_table(first: str, *others: str) -> Table:
+    """An empty table: a column of names and columns of numbers."""
     table = Table(title_justify="left")
     table.add_column(first, no_wrap=True)
     for other in others:
