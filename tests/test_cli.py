@@ -44,6 +44,9 @@ def test_json_prints_one_object_and_nothing_else(tmp_path: Path) -> None:
         (("drape", "flared-skirt", "--resume", "-o", "nowhere"), "no checkpoint"),
         (("render", "nowhere", "-o", "x.png"), "report.json"),
         (("export", "nowhere", "-o", "x.stl"), ".obj"),
+        (("fit", "nowhere"), "report.json"),
+        (("fit", "nowhere", "--line", "hip"), "HEIGHT in mm"),
+        (("compare", "nowhere", "elsewhere"), "report.json"),
         (("fabric", "show", "tweed"), "wool-tropical"),
     ],
 )
