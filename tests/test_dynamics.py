@@ -6,8 +6,8 @@ import numba
 import numpy as np
 import pytest
 import trimesh
+from elastic import linear
 
-from garmentcad.arrays import floats
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.lattice import rectangle_cloth
 from garmentcad.cloth.state import State
@@ -26,12 +26,7 @@ MASS = 0.15  # kg/m2
 
 
 def linear_fabric(limit: float = 0.4) -> MaterialTable:
-    both = floats([[1.0, 1.0]])
-    one = floats([1.0])
-    return MaterialTable(
-        MASS * one, 0.2 * both, 0.2 * STIFFNESS * both, 0.0 * both, STIFFNESS * both, limit * both,
-        45.0 * one, 1e-5 * both, 0.5e-5 * one, 5e-4 * one, 0.3 * one, 0.3 * one,
-    )  # fmt: skip
+    return linear(MASS, STIFFNESS, limit, shear=45.0, thickness=5e-4, friction=0.3)
 
 
 def hanging(cloth: Cloth) -> np.ndarray:

@@ -18,6 +18,7 @@ from garmentcad.forces.assembly import ForceAssembly
 SAFETY = 0.8
 DAMPING_RATIO = 0.15  # of the highest mode at rest
 LANCZOS_STEPS = 16  # garments with 7,000 and 10,000 particles: 0.2 % below the frequency that 120 steps find
+STUCK = 0.9  # of the way of the stick springs: tension is stiffest where it has been loading
 _NUDGE_M = 1e-7  # of the differences: 1e-5 of strain
 
 
@@ -39,17 +40,19 @@ def internal_damping_time(stiffness: np.ndarray, masses: np.ndarray, ratio: floa
 
 
 def measured_frequency(forces: ForceAssembly, positions: np.ndarray, inverse_masses: np.ndarray) -> float:
-    """Highest angular frequency [rad/s] of small motions about `positions` (P,3), hardly too low; inverse_masses (P,) [1/kg], 0 where a particle is held."""
+    """Highest angular frequency [rad/s] of small motions about `positions` (P,3), hardly too low, all of whose internal friction holds; inverse_masses (P,) [1/kg],
+    0 where a particle is held."""
     root = np.sqrt(inverse_masses)[:, None]
     still, at_home, nudged = np.zeros_like(positions), np.empty_like(positions), np.empty_like(positions)
-    forces.add_up(positions, still, at_home)
+    sliders = forces.drawn(positions, STUCK)
+    forces.add_up(positions, still, at_home, sliders)
     before, mode = np.zeros_like(positions), np.random.default_rng(0).standard_normal(positions.shape) * (root > 0.0)
     mode /= math.sqrt(float((mode * mode).sum()))
     diagonal, beside = [], [0.0]
     for _ in range(LANCZOS_STEPS):
         way = root * mode
         nudge = _NUDGE_M / np.abs(way).max()
-        forces.add_up(positions + nudge * way, still, nudged)
+        forces.add_up(positions + nudge * way, still, nudged, sliders)
         image = root * (at_home - nudged) / nudge - beside[-1] * before
         diagonal.append(float((mode * image).sum()))
         image -= diagonal[-1] * mode

@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from copy import deepcopy
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from garmentcad.constraints.points import ConstraintPoints, no_bonds
 from garmentcad.contact.contact import SURGE, Contact, farthest
 from garmentcad.errors import GarmentError
 from garmentcad.forces.assembly import ForceAssembly
-from garmentcad.forces.internal import law_arguments
+from garmentcad.forces.internal import BINS, law_arguments
 from garmentcad.forces.time_step import SAFETY, measured_frequency
 from garmentcad.solve.steps import CUT, DONE, LOOK, MOST_CUTS, RUNAWAY, TORN, TORN_LENGTH, Controls, mean_square, run_steps
 from garmentcad.solve.strain_limit import StrainLimit
@@ -96,7 +97,8 @@ class Dynamics:
             self.constraint.set_inverse_masses(inverse_masses)
 
     def start(self, state: State) -> None:
-        """Prepare a fresh state: contact allocates and detects."""
+        """Prepare a fresh state: sliders that it does not bring are those of cloth that was never strained; contact allocates and detects."""
+        state.friction = self.forces.slack() | state.friction
         self.contact.start(state)
         self.estimate_time_step(state)
 
@@ -175,7 +177,8 @@ class Dynamics:
         contact, count, dt = self.contact, self.cloth.particle_count, state.time_step_s
         self._drag[:] = self.drag
         controls = Controls(dt, self._drag, self.speed_cap_m_s, RUNAWAY_M_S, SURGE)
-        laws, sums = law_arguments(self.forces.forces), self.forces.sums(self._masses)
+        lost = np.zeros(BINS)
+        laws, sums = law_arguments(self.forces.forces, state.friction, lost), self.forces.sums(self._masses)
         bonds = no_bonds() if self.constraint is None else self.constraint.bonds(state.constraint_speeds)
         contact.load(state)
         motion = (contact.positions, contact.velocities, contact.inverse_masses)
@@ -190,6 +193,8 @@ class Dynamics:
             state.step += done
             state.time_s += (done - (1.0 - self._clock[5])) * dt
             state.work_j["friction"] += float(self._clock[1])
+            state.work_j["internal_friction"] -= float(lost.sum())
+            lost[:] = 0.0
             self.mean_square_speed = max(self.mean_square_speed, float(self._clock[2]))
             left -= done
             t1 = time.perf_counter()
@@ -226,7 +231,7 @@ class Dynamics:
     def net_forces(self, state: State) -> np.ndarray:
         """Forces of the laws and weight (P,3), N, at zero velocity; contact and constraints left out."""
         total = np.zeros_like(state.velocities)
-        self.forces.add_up(state.positions, np.zeros_like(state.velocities), total)
+        self.forces.add_up(state.positions, np.zeros_like(state.velocities), total, deepcopy(state.friction))
         return total
 
     def measures(self, state: State) -> tuple[float, float, float]:
