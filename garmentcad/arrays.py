@@ -133,6 +133,11 @@ def kernel(function: Any) -> Any:
     return njit(**_OPTIONS)(function)
 
 
+def inlined_kernel(function: Any) -> Any:
+    """Compile a kernel that becomes part of every kernel that calls it, however long it is: wide loops may call no others."""
+    return njit(forceinline=True, **_OPTIONS)(function)
+
+
 def parallel_kernel(function: Any) -> Any:
     """Compile a kernel with `prange`. Gather only: each iteration writes its own outputs; no reductions."""
     return njit(parallel=True, **_OPTIONS)(function)

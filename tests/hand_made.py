@@ -113,7 +113,7 @@ def rectangles(columns: int, rows: int, spacing_m: float, panels: int, sewn: boo
         ),
         bends=BendLines(none, none.reshape(0, 2), empty, none.reshape(0, 2), empty, empty, empty, empty, none, none),
         spans=ContourSpans(none.reshape(0, 4), empty.reshape(0, 4), empty, empty, none),
-        hinges=SeamHinges(none.reshape(0, 4), empty, empty, empty, none.reshape(0, 2), empty.reshape(0, 2)),
+        hinges=SeamHinges(none.reshape(0, 4), empty, empty, empty, empty, none.reshape(0, 2), empty.reshape(0, 2)),
         triangles=frozen(indices(triangles)),
         triangle_material=np.zeros(len(triangles), dtype=np.int32),
         stitches=none.reshape(0, 2),

@@ -48,6 +48,8 @@ def test_json_prints_one_object_and_nothing_else(tmp_path: Path) -> None:
         (("fit", "nowhere", "--line", "hip"), "HEIGHT in mm"),
         (("compare", "nowhere", "elsewhere"), "report.json"),
         (("fabric", "show", "tweed"), "wool-tropical"),
+        (("fabric", "fit", "no-such.csv", "-o", "x.yaml"), "no-such.csv"),
+        (("fabric", "fit", "no-such.csv", "-o", "x.csv"), ".yaml is allowed"),
     ],
 )
 def test_bad_arguments_are_refused(arguments: tuple[str, ...], says: str, tmp_path: Path) -> None:
@@ -55,6 +57,19 @@ def test_bad_arguments_are_refused(arguments: tuple[str, ...], says: str, tmp_pa
     assert run.returncode == 2, run.stderr
     assert says in run.stderr
     assert "Traceback" not in run.stderr
+
+
+def test_fast_values_become_a_sheet_that_can_be_shown(tmp_path: Path) -> None:
+    (tmp_path / "fast.csv").write_text("property;unit;warp;weft;value\nW;g/m2;;;168\nE20;%;1.9;1.9;\nE100;%;4.6;5.9;\nEB5;%;;;4.7\nC;mm;15;14.5;\n")
+    run = garmentcad("fabric", "fit", "fast.csv", "-o", "wool.yaml", "--json", folder=tmp_path)
+    assert run.returncode == 0, run.stderr
+    answer = json.loads(run.stdout)
+    rows = {row["key"]: row for row in answer["fitted"]}
+    assert rows["G.mean"]["low"] < rows["G.mean"]["value"] < rows["G.mean"]["high"]
+    assert "2HB.warp" in answer["assumed"]
+    assert "bounds" in garmentcad("fabric", "fit", "fast.csv", "-o", "wool.yaml", folder=tmp_path).stdout
+    shown = json.loads(garmentcad("fabric", "show", "wool.yaml", "--json", folder=tmp_path).stdout)
+    assert {row["key"]: row["value"] for row in shown["rows"]}["B.warp"] == pytest.approx(rows["B.warp"]["value"], rel=1e-4)
 
 
 SPECS = [case for case in CASES if case.kind == "spec"]

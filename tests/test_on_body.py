@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import trimesh
 from drawn import panel, pattern, rectangle
+from elastic import linear
 from hand_made import cylinder_body
 
 from garmentcad.analysis.ease import garment_ease
@@ -45,11 +46,7 @@ MU = 0.3
 
 def fabric(stiffness_n_m: float, shear_n_m: float = 40.0) -> MaterialTable:
     """A linear law of Y = stiffness in both directions."""
-    both, one = floats([[1.0, 1.0]]), floats([1.0])
-    return MaterialTable(
-        W * one, 0.2 * both, 0.2 * stiffness_n_m * both, 0.0 * both, stiffness_n_m * both, 0.4 * both,
-        shear_n_m * one, 1e-6 * both, 0.5e-6 * one, 5e-4 * one, MU * one, MU * one,
-    )  # fmt: skip
+    return linear(W, stiffness_n_m, limit=0.4, shear=shear_n_m, thickness=5e-4, friction=MU, bending=1e-6)
 
 
 class Rest:

@@ -88,6 +88,7 @@ class SeamHinges(NamedTuple):
     """
 
     corners: np.ndarray  # (H,4) int32
+    length: np.ndarray  # (H,) m
     length2_over_area: np.ndarray  # (H,) length^2 / (A_a + A_b), no unit
     rest_angle: np.ndarray  # (H,) rad, 0 is flat, positive folds toward the right side of the fabric
     factor: np.ndarray  # (H,) bend factor of the seam (layers of allowance)

@@ -136,7 +136,7 @@ def no_hinges() -> SeamHinges:
     def none(*columns: int) -> np.ndarray:
         return frozen(np.empty((0, *columns)))
 
-    return SeamHinges(frozen(np.empty((0, 4), np.int32)), none(), none(), none(), frozen(np.empty((0, 2), np.int32)), none(2))
+    return SeamHinges(frozen(np.empty((0, 4), np.int32)), none(), none(), none(), none(), frozen(np.empty((0, 2), np.int32)), none(2))
 
 
 def _part(panel: Panel, mesh: PanelMesh, material_of: MaterialOf, materials: MaterialTable) -> _Part:

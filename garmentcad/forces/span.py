@@ -17,7 +17,7 @@ import numpy as np
 from garmentcad.arrays import indices, kernel
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.fabric.material import MaterialTable, bending_along
-from garmentcad.forces.force import OneLaw
+from garmentcad.forces.force import Gauge, OneLaw
 from garmentcad.forces.rows import PART
 
 
@@ -59,10 +59,17 @@ class ForceSpan(OneLaw):
         self.arguments = (self._spans,)
         self.corners = indices(spans.corners).ravel()
 
-    def write_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray) -> None:
+    def slack(self) -> np.ndarray:
+        return np.empty(0)
+
+    def gauge(self, positions: np.ndarray) -> Gauge:
+        none = np.empty(0)
+        return Gauge(none, none, none, none)
+
+    def write_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray, sliders: np.ndarray | None = None) -> None:
         write_span(*self.arguments, positions, velocities, out)
 
-    def energy(self, positions: np.ndarray) -> float:
+    def energy(self, positions: np.ndarray, sliders: np.ndarray | None = None) -> float:
         left = np.einsum("ni,nik->nk", self._spans.coefficients, positions[self._spans.corners])
         return float(np.sum(0.5 * self._spans.stiffness * np.sum(left**2, axis=1)))
 

@@ -46,7 +46,7 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
     widest = max(outcome.welding.gap_mm.values(), default=None)
     kinetic, fastest, rms = outcome.dynamics.measures(state)
     left = residual(outcome.dynamics, state, patches(cloth)).rms_g if finite else None
-    energy = outcome.dynamics.forces.energy(state.positions) if finite else {}
+    energy = outcome.dynamics.forces.energy(state.positions, state.friction) if finite else {}
     findings = [f"{name}: {finding}" for name, completed in job.fabrics.items() for finding in completed.findings if finding.severity != "info"]
     made = RunRecord(
         garment=job.pattern.name,
@@ -77,6 +77,7 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
             "bend": _sum(energy, "bend", "twist", "hinge", "span"),
             "gravity": energy.get("gravity"),
             "friction_work": state.work_j["friction"],
+            "internal_friction_work": state.work_j["internal_friction"],
             "damping_work": None,  # drape mode changes masses and stiffness on the way: its damping is no energy of the cloth
         },
         uncalibrated=not all(is_calibrated(completed.sheet) for completed in job.fabrics.values()),
@@ -99,7 +100,9 @@ def _seams(outcome: Outcome) -> dict[str, SeamTension | None]:
     positions = outcome.state.positions[outcome.cloth.vertex_particle]
     apart = ForceAssembly(internal_forces(flat, outcome.materials), flat.particle_count, [ForceGravity(flat.masses)])
     forces = np.zeros_like(positions)
-    apart.add_up(positions, np.zeros_like(positions), forces)
+    # Welding leaves the elements and their order as they are, and adds hinges: what holds by internal friction is that of the sewn garment.
+    sliders = {name: outcome.state.friction[name].copy() if slack.size else slack for name, slack in apart.slack().items()}
+    apart.add_up(positions, np.zeros_like(positions), forces, sliders)
     return seam_tension(flat, positions, forces)
 
 

@@ -21,7 +21,7 @@ from garmentcad.cloth.state import State
 from garmentcad.cloth.weld import weld
 from garmentcad.contact.contact import Contact
 from garmentcad.errors import GarmentError, LimitError
-from garmentcad.fabric.material import MaterialTable
+from garmentcad.fabric.material import MaterialTable, softened
 from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
@@ -32,7 +32,7 @@ from garmentcad.simulation.checkpoint import load_state, save_state
 from garmentcad.simulation.course import SOFTNESS, Course, Progress
 from garmentcad.simulation.job import Job
 from garmentcad.simulation.materials import lay_out
-from garmentcad.simulation.refine import refined
+from garmentcad.simulation.refine import refined, refined_sliders
 from garmentcad.simulation.sewing import Welding, close_seams, weld_state
 from garmentcad.simulation.start import refuse_tangled
 from garmentcad.solve.dynamics import DivergedError, Dynamics, IntersectingError
@@ -133,7 +133,7 @@ class _Run:
     def drape(self, grids: tuple[float, ...]) -> Outcome:
         """Sew on the first grid, then settle on each; the outcome is that of the last one."""
         level = 0 if self.state is None else int(self.state.run.get("level", 0.0))
-        before: Cloth | None = None
+        before: tuple[Cloth, ForceAssembly] | None = None
         while True:
             flat = build_cloth(self.job.pattern, self._material_of, self.materials, grids[level])
             cloth, particle_map = weld(flat)
@@ -144,7 +144,7 @@ class _Run:
             assert self.state is not None
             dynamics, forces_at = _dynamics(self.job, cloth, self.materials, sewing=False)
             if before is not None:
-                self.state = _refined_state(before, self.state, cloth, level, self.job.mannequin)
+                self.state = _refined_state(before, self.state, (cloth, dynamics.forces), level, self.job.mannequin)
             if not self.state.contact:
                 dynamics.start(self.state)
             self._begin(dynamics)
@@ -158,7 +158,7 @@ class _Run:
             if last:
                 return self._outcome(flat, cloth, dynamics, status)
             self._add_up(dynamics)
-            before, level = cloth, level + 1
+            before, level = (cloth, dynamics.forces), level + 1
 
     def _begin(self, dynamics: Dynamics) -> None:
         self._setup = self._setup or time.perf_counter() - self.began
@@ -201,8 +201,10 @@ class _Run:
         return Outcome(self.job, flat, cloth, self.materials, dynamics, self.state, status, welding, wall, self.seconds, self.warnings)
 
 
-def _refined_state(coarse: Cloth, state: State, fine: Cloth, level: int, mannequin: Mannequin) -> State:
-    """The garment of a coarse lattice on a finer one, in the same motion. RefinementError where that would cross itself or the mannequin."""
+def _refined_state(before: tuple[Cloth, ForceAssembly], state: State, after: tuple[Cloth, ForceAssembly], level: int, mannequin: Mannequin) -> State:
+    """The garment of a coarse lattice on a finer one, in the same motion and under the same internal friction; before, after: cloth and forces.
+    RefinementError where it would cross itself or the mannequin."""
+    coarse, fine = before[0], after[0]
     both = refined(coarse, np.hstack([state.positions, state.velocities]), fine)
     positions, velocities = np.ascontiguousarray(both[:, :3]), np.ascontiguousarray(both[:, 3:])
     crossings = len(crossing_triangle_pairs(positions, fine.particle_triangles))
@@ -210,7 +212,9 @@ def _refined_state(coarse: Cloth, state: State, fine: Cloth, level: int, mannequ
     if crossings:
         raise RefinementError(f"the drape on {1e3 * coarse.spacing:g} mm crosses itself in {crossings} places on {1e3 * fine.spacing:g} mm: draped anew there")
     kept = {key: value for key, value in state.run.items() if key != "step_factor"}
-    return State(positions, velocities, state.time_s, state.step, phase="fall", run=kept | {"level": float(level)}, work_j=dict(state.work_j))
+    friction = refined_sliders(*before, state, *after, positions)
+    run = kept | {"level": float(level)}
+    return State(positions, velocities, state.time_s, state.step, phase="fall", friction=friction, run=run, work_j=dict(state.work_j))
 
 
 def _dynamics(job: Job, cloth: Cloth, materials: MaterialTable, sewing: bool) -> tuple[Dynamics, Callable[[float], ForceAssembly]]:
@@ -218,8 +222,7 @@ def _dynamics(job: Job, cloth: Cloth, materials: MaterialTable, sewing: bool) ->
     weight = [] if sewing else [ForceGravity(cloth.masses)]
 
     def forces_at(softness: float) -> ForceAssembly:
-        softer = materials._replace(tension_force=materials.tension_force / softness, tension_slope=materials.tension_slope / softness)
-        return ForceAssembly(internal_forces(cloth, softer), cloth.particle_count, weight)
+        return ForceAssembly(internal_forces(cloth, softened(materials, softness)), cloth.particle_count, weight)
 
     touch = materials
     if sewing:
