@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from garmentcad.analysis.penetration import signed_distances
-from garmentcad.analysis.tributary import draped_areas
-from garmentcad.cloth.cloth import Cloth
 from garmentcad.units import M_TO_MM
+
+
+class Surface(NamedTuple):
+    """A garment as it hangs: positions (P,3) m and triangles (F,3) of them."""
+
+    positions: np.ndarray
+    triangles: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -22,9 +28,11 @@ class ShapeDifference:
     max_mm: float
 
 
-def shape_difference(cloth: Cloth, positions: np.ndarray, other: Cloth, other_positions: np.ndarray) -> ShapeDifference:
-    """Compare two garments of any pattern and lattice as surfaces, from positions (P,3) m of each."""
-    apart = M_TO_MM * np.abs(signed_distances(positions, other_positions, other.particle_triangles))
-    back = M_TO_MM * np.abs(signed_distances(other_positions, positions, cloth.particle_triangles))
-    rms = float(np.sqrt(np.average(apart**2, weights=draped_areas(cloth, positions))))
+def shape_difference(one: Surface, other: Surface) -> ShapeDifference:
+    """Compare two garments of any pattern and lattice as surfaces."""
+    apart = M_TO_MM * np.abs(signed_distances(one.positions, *other))
+    back = M_TO_MM * np.abs(signed_distances(other.positions, *one))
+    corners = one.positions[one.triangles]
+    double = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    rms = float(np.sqrt(np.average((apart**2)[one.triangles].mean(axis=1), weights=double)))
     return ShapeDifference(apart, rms, float(max(apart.max(), back.max())))

@@ -23,13 +23,11 @@ def compare(
     from rich.console import Console
 
     from garmentcad.export.compare import compare as compared
-    from garmentcad.export.compare import comparison_data, comparison_tables, write_comparison
-    from garmentcad.export.result_folder import read_result_folder
+    from garmentcad.export.compare import comparison_data, comparison_tables, read_worn, write_comparison
 
-    one, other = read_result_folder(a), read_result_folder(b)
-    found = compared(one, other)
+    found = compared(read_worn(a), read_worn(b))
     if out is not None:
-        write_comparison(out, one, other, found, view.value, map_.value)
+        write_comparison(out, (a, b), found, view.value, map_.value)
     if as_json:
         print(json.dumps(comparison_data(found), allow_nan=False))
         return

@@ -12,19 +12,33 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
-from garmentcad.analysis.comparison import ShapeDifference, shape_difference
+from garmentcad.analysis.comparison import ShapeDifference, Surface, shape_difference
 from garmentcad.analysis.figures import Figure, figures
 from garmentcad.errors import InputError
 from garmentcad.export import legend
 from garmentcad.export.camera import frame
 from garmentcad.export.color_map import MAPS, TOP_PERCENTILE, painted, round_up
 from garmentcad.export.fit import csv_text, plain_table, shown
+from garmentcad.export.obj import read_garment_obj
 from garmentcad.export.picture import COMPRESSION, HEIGHT_PX, draw_picture
-from garmentcad.export.result_folder import Result
+from garmentcad.export.result_folder import Result, read_report, read_result_folder
 from garmentcad.io.atomic import write_atomic
 
 COMPARED = ("garment", "fabric", "mannequin", "grid_mm", "seed", "status", "spec_sha256", "state_sha256")
 FORMATS = (".json", ".csv", ".png")
+
+
+@dataclass(frozen=True)
+class Worn:
+    """What a comparison needs of a result folder; every version of the program writes it alike."""
+
+    report: dict[str, Any]
+    surface: Surface
+
+
+def read_worn(folder: str | Path) -> Worn:
+    """report.json and garment.obj of a result folder. Raises FileError or MeshError naming what is missing or torn."""
+    return Worn(read_report(folder), Surface(*read_garment_obj(Path(folder) / "garment.obj")))
 
 
 @dataclass(frozen=True)
@@ -36,8 +50,8 @@ class Comparison:
     shape: ShapeDifference
 
 
-def compare(a: Result, b: Result) -> Comparison:
-    """Compare two results of any garments, fabrics, sizes, lattices or versions."""
+def compare(a: Worn, b: Worn) -> Comparison:
+    """Compare two drapes of any garments, fabrics, sizes, lattices or versions."""
     unlike = {key: (a.report.get(key), b.report.get(key)) for key in COMPARED if a.report.get(key) != b.report.get(key)}
     versions_a, versions_b = a.report.get("versions", {}), b.report.get("versions", {})
     unlike |= {
@@ -45,7 +59,7 @@ def compare(a: Result, b: Result) -> Comparison:
     }
     of_a, of_b = figures(a.report), figures(b.report)
     rows = {name: (of_a.get(name), of_b.get(name)) for name in dict.fromkeys((*of_a, *of_b))}
-    return Comparison(unlike, rows, shape_difference(a.cloth, a.state.positions, b.cloth, b.state.positions))
+    return Comparison(unlike, rows, shape_difference(a.surface, b.surface))
 
 
 def difference(pair: tuple[Figure | None, Figure | None]) -> Figure:
@@ -84,12 +98,13 @@ def comparison_tables(found: Comparison) -> list[Table]:
     return [part for part in (identity, table) if part.row_count]
 
 
-def write_comparison(path: Path, a: Result, b: Result, found: Comparison, view: str, map_name: str) -> Path:
-    """Write a comparison as .json, .csv (quantity, a, b, difference, unit) or .png (A, B, and A with its distance from B; see `draw_comparison`)."""
+def write_comparison(path: Path, folders: tuple[Path, Path], found: Comparison, view: str, map_name: str) -> Path:
+    """Write a comparison as .json, .csv (quantity, a, b, difference, unit) or .png (see `draw_comparison`; both folders must be of this version, then)."""
     if path.suffix not in FORMATS:
         raise InputError(f"cannot write '{path.suffix or path.name}'; allowed are {', '.join(FORMATS)}", file=str(path), key="--out")
     if path.suffix == ".png":
         buffer = io.BytesIO()
+        a, b = (read_result_folder(folder) for folder in folders)
         draw_comparison(a, b, found, view, map_name).save(buffer, format="PNG", compress_level=COMPRESSION)
         return write_atomic(path, buffer.getvalue())
     if path.suffix == ".json":
