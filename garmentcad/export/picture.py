@@ -68,8 +68,8 @@ def render_picture(
 ) -> Path:
     """Draw the garment at positions (P,3) m on its mannequin into a PNG file.
 
-    view: front, back, left, right, three-quarter. map_name: none, strain (values without unit), tension (N/m), pressure (kPa); values: (P,) one a particle,
-    as in `Measures.maps`. Raises ViewMissing without the extra, InputError for an unknown view or map.
+    view: front, back, left, right, three-quarter. map_name: none or a name of `color_map.MAPS`; values: (P,) one a particle, as in `Measures.maps`. Raises
+    ViewMissing without the extra, InputError for an unknown view or map.
     """
     painted_map = None
     if map_name != "none":
@@ -94,15 +94,24 @@ def render_pictures(
     scene = _scene(positions, cloth, mannequin, painted_map)
 
     def write(view: str) -> Path:
-        picture = image.fromarray(_draw(scene, cameras[view]))
-        if painted_map is not None:
-            legend.draw_legend(picture, painted_map)
         buffer = io.BytesIO()
-        picture.save(buffer, format="PNG", compress_level=COMPRESSION)
+        _finished(image, scene, cameras[view], painted_map).save(buffer, format="PNG", compress_level=COMPRESSION)
         return write_atomic(paths[view], buffer.getvalue())
 
     with ThreadPoolExecutor() as pool:
         return list(pool.map(write, paths))
+
+
+def draw_picture(positions: np.ndarray, cloth: Cloth, mannequin: Mannequin | None, painted_map: PaintedMap | None, camera: Camera) -> Any:
+    """The garment as a PIL image from a camera that is given, to be put beside others."""
+    return _finished(_module("PIL.Image"), _scene(positions, cloth, mannequin, painted_map), camera, painted_map)
+
+
+def _finished(image: Any, scene: _Scene, camera: Camera, painted_map: PaintedMap | None) -> Any:
+    picture = image.fromarray(_draw(scene, camera))
+    if painted_map is not None:
+        legend.draw_legend(picture, painted_map, camera.metres_a_pixel())
+    return picture
 
 
 def _module(name: str) -> Any:
