@@ -29,6 +29,7 @@ PROMISED = [
     "seam_gap_mm.max", "mannequin_penetration_mm.max", "self_intersections", "mannequin_intersections", "pattern_ease_mm.bust",
     "pattern_ease_mm.waist", "pattern_ease_mm.hip", "ease_mm.bust", "ease_mm.waist", "ease_mm.hip", "hem_height_mm", "pressure_kpa.max",
     "pressure_kpa.mean_in_contact", "energy_j.stretch", "energy_j.shear", "energy_j.bend", "energy_j.gravity", "energy_j.friction_work",
+    "energy_j.internal_friction_work",
     "energy_j.damping_work", "uncalibrated", "warnings",
 ]  # fmt: skip
 
@@ -57,7 +58,8 @@ def run_record() -> RunRecord:
         mannequin_penetration_mm=0.0,
         self_intersections=0,
         mannequin_intersections=0,
-        energy_j={"stretch": 0.1, "shear": 0.1, "bend": 0.1, "gravity": -1.0, "friction_work": 0.2, "damping_work": 0.3, "air": 0.0},
+        energy_j={"stretch": 0.1, "shear": 0.1, "bend": 0.1, "gravity": -1.0, "friction_work": 0.2}
+        | {"internal_friction_work": -0.1, "damping_work": 0.3, "air": 0.0},
         uncalibrated=True,
         warnings=("an estimate",),
     )
