@@ -89,7 +89,8 @@ def bent(cloth: Cloth, curvature: float) -> np.ndarray:
 def test_a_strip_bent_far_keeps_its_residual_curvature_and_does_not_creep() -> None:
     materials = fabric(shear=0.0, tension=0.0)
     cloth = rectangle_cloth(80.0, 50.0, 10.0, 0.0, materials)
-    dynamics = moving(cloth, materials, np.zeros(cloth.particle_count, dtype=bool), gravity=0.0, drag=300.0)  # slowly: a strip that swings past its residual curvature sticks below it
+    # slowly: a strip that swings past its residual curvature sticks below it
+    dynamics = moving(cloth, materials, np.zeros(cloth.particle_count, dtype=bool), gravity=0.0, drag=300.0)
     state = State(bent(cloth, 0.0), np.zeros((cloth.particle_count, 3)))
     dynamics.start(state)
     for curvature in np.linspace(0.0, 60.0, 401):
@@ -135,7 +136,8 @@ def test_loops_of_a_whole_cloth(kind: str) -> None:
     sliders = forces.slack()
     still, found = np.zeros_like(placed(0.0)), np.zeros_like(placed(0.0))
     turn = np.linspace(0.0, 1.0, 301)
-    path = largest * np.concatenate([turn, turn[::-1], -turn, -turn[::-1], turn, turn[::-1], -turn, -turn[::-1]] if kind != "tension" else [turn, turn[::-1]] * 2)
+    one = [turn, turn[::-1]] if kind == "tension" else [turn, turn[::-1], -turn, -turn[::-1]]
+    path = largest * np.concatenate(one + one)
     work, before, pull, begin = 0.0, placed(0.0), None, len(path) // 2
     for k, strain in enumerate(path):
         here = placed(float(strain))

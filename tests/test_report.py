@@ -34,6 +34,7 @@ PROMISED = [
     "energy_j.damping_work", "uncalibrated", "warnings", "strain_percent.bias.max", "strain_of_limit_percent.weft.max", "tension_n_m.weft.p99",
     "body_girth_mm.waist", "ease_mm.top_arm_left", "ease_mm.thigh_right", "hem_uneven_mm", "pressure_kpa.p95", "friction_kpa.max", "support_n.weight",
     "support_n.normal", "support_n.friction", "contact_area_m2", "distance_mm.p50", "seam_tension",
+    "energy_j.internal_friction_work",
 ]  # fmt: skip
 
 
@@ -61,7 +62,8 @@ def run_record() -> RunRecord:
         mannequin_penetration_mm=0.0,
         self_intersections=0,
         mannequin_intersections=0,
-        energy_j={"stretch": 0.1, "shear": 0.1, "bend": 0.1, "gravity": -1.0, "friction_work": 0.2, "damping_work": 0.3, "air": 0.0},
+        energy_j={"stretch": 0.1, "shear": 0.1, "bend": 0.1, "gravity": -1.0, "friction_work": 0.2}
+        | {"internal_friction_work": -0.1, "damping_work": 0.3, "air": 0.0},
         uncalibrated=True,
         warnings=("an estimate",),
     )

@@ -23,7 +23,7 @@ NESTED = {
     "wall_time_s": ("setup", "drape", "total"),
     "rest": ("max_speed_m_s", "rms_speed_m_s", "kinetic_j_per_kg", "residual_g_rms"),
     "constraints": ("max_gap_mm", "max_speed_m_s", "conflicting"),
-    "energy_j": ("stretch", "shear", "bend", "gravity", "friction_work", "damping_work"),
+    "energy_j": ("stretch", "shear", "bend", "gravity", "friction_work", "internal_friction_work", "damping_work"),
 }
 SIGNIFICANT_DIGITS = 9
 STATUS_STYLE = {"converged": "green", "max_time": "yellow", "diverged": "red", "intersecting": "red"}
