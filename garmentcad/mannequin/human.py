@@ -18,7 +18,7 @@ class Shape(NamedTuple):
     joints: dict[str, np.ndarray]  # (3,) m: shoulder, elbow, wrist, hip, knee, ankle, neck, head; waist_level, hip_level: the height alone counts
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class HumanModel:
     """The left half (x >= 0) of the bodies of one kind (woman or man), linear in its targets.
 

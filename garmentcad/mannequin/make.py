@@ -8,13 +8,13 @@ import numpy as np
 
 from garmentcad.arrays import floats, frozen, indices
 from garmentcad.mannequin.correct import correct_girths
-from garmentcad.mannequin.fit import fit_weights
+from garmentcad.mannequin.grade import standing_body
 from garmentcad.mannequin.human import HumanModel
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.mannequin.marks import TABLE, cylinders, landmarks, measurements
 from garmentcad.mannequin.pose import ARM_ANGLE_DEG, check_apart, pose_arms, pose_legs, stretch_arms
 from garmentcad.mannequin.sizes import full_sizes
-from garmentcad.mannequin.stand import stand, wanted_heights
+from garmentcad.mannequin.stand import wanted_heights
 from garmentcad.units import MM_TO_M
 
 PART_NAMES = ("torso", "arm_left", "arm_right", "leg_left", "leg_right", "head")
@@ -28,7 +28,7 @@ def make_mannequin(model: HumanModel, given: Mapping[str, float], *, name: str, 
     """
     sizes = full_sizes(model.kind, given)
     heights = wanted_heights(model.kind, sizes)
-    body, _ = stand(model, model.shape(fit_weights(model, sizes)), sizes)
+    body = standing_body(model, sizes)
     body = stretch_arms(model, pose_arms(model, body, arm_angle_deg), MM_TO_M * sizes["arm_length"])
     body = pose_legs(model, correct_girths(model, body, sizes, heights))
     check_apart(model, body)

@@ -26,7 +26,7 @@ _LENGTHS = {
     "woman": {"nape_to_waist": 410.0, "waist_to_floor": 1040.0, "waist_to_hip": 206.0, "waist_to_knee": 585.0, "body_rise": 280.0, "arm_length": 585.0},
     "man": {"nape_to_waist": 446.0, "waist_to_floor": 1090.0, "waist_to_hip": 220.0, "waist_to_knee": 600.0, "body_rise": 280.0, "arm_length": 640.0},
 }  # fmt: skip
-_ROW = {"woman": (880.0, 1680.0), "man": (1000.0, 1780.0)}
+_BASE = {"woman": (880.0, 1680.0), "man": (1000.0, 1780.0)}  # bust and stature of the base sizes, mm
 _THIGH_PER_HIP = {"woman": 0.59, "man": 0.57}
 _RANGES = {"bust": (700.0, 1400.0), "waist": (500.0, 1400.0), "hip": (700.0, 1500.0), "stature": (1400.0, 2100.0)}
 
@@ -39,8 +39,8 @@ def full_sizes(kind: str, given: Mapping[str, float]) -> dict[str, float]:
 
     MannequinError for unknown names, values that are not finite numbers, or lie outside what a grown body has.
     """
-    if kind not in _ROW:
-        raise MannequinError(f"{kind!r} is not a kind of body; allowed: {', '.join(_ROW)}", key="kind")
+    if kind not in _BASE:
+        raise MannequinError(f"{kind!r} is not a kind of body; allowed: {', '.join(_BASE)}", key="kind")
     for name, value in given.items():
         if name not in GIVEN:
             raise MannequinError(f"{name!r} is not a measurement{did_you_mean(name, GIVEN)}", key="measurements")
@@ -48,7 +48,7 @@ def full_sizes(kind: str, given: Mapping[str, float]) -> dict[str, float]:
             raise MannequinError(f"{value!r} is not a number of mm", key=f"measurements.{name}")
     if "bust" not in given:
         raise MannequinError("the bust (chest) girth is missing", key="measurements.bust")
-    bust, stature = _ROW[kind]
+    bust, stature = _BASE[kind]
     more = given["bust"] - bust
     sizes = {"bust": float(given["bust"]), "stature": float(given.get("stature", stature))}
     for name, (value, grade) in _GIRTHS[kind].items():
@@ -58,6 +58,11 @@ def full_sizes(kind: str, given: Mapping[str, float]) -> dict[str, float]:
     sizes["thigh"] = float(given.get("thigh", _THIGH_PER_HIP[kind] * sizes["hip"]))
     _check(sizes)
     return {name: sizes[name] for name in GIVEN}
+
+
+def base_sizes(kind: str) -> dict[str, float]:
+    """Measurements of the size from which the others of a kind are graded (woman-88, man-100)."""
+    return full_sizes(kind, {"bust": _BASE[kind][0]})
 
 
 def _check(sizes: Mapping[str, float]) -> None:
