@@ -86,7 +86,7 @@ def test_bad_files_are_refused_with_file_and_reason(tmp_path, name):
 
 def test_unknown_names_and_endings():
     with pytest.raises(FileError, match="woman-88"):
-        read_mannequin("woman-89")
+        read_mannequin("woman-89x")
     with pytest.raises(FileError, match="ending"):
         read_mannequin("body.txt")
 

@@ -6,10 +6,10 @@ import pytest
 from garmentcad.errors import MannequinError
 from garmentcad.io.mannequin_file import read_human
 from garmentcad.mannequin import pose
-from garmentcad.mannequin.fit import fit_weights
+from garmentcad.mannequin.grade import standing_body
 from garmentcad.mannequin.human import Shape
 from garmentcad.mannequin.sizes import full_sizes
-from garmentcad.mannequin.stand import stand, wanted_heights
+from garmentcad.mannequin.stand import wanted_heights
 from garmentcad.mannequin.tapes import taped
 
 
@@ -17,8 +17,7 @@ from garmentcad.mannequin.tapes import taped
 def standing():
     model = read_human("woman")
     sizes = full_sizes("woman", {"bust": 880})
-    body, _ = stand(model, model.shape(fit_weights(model, sizes)), sizes)
-    return model, body, wanted_heights("woman", sizes)
+    return model, standing_body(model, sizes), wanted_heights("woman", sizes)
 
 
 def test_arm_turns_rigidly_below_the_shoulder(standing):

@@ -24,11 +24,11 @@ _KEYS = {"schema", "units", "kind", "description", "source", "measurements", "ar
 
 
 def mannequin_names() -> list[str]:
-    """Names of the shipped mannequins."""
-    return shipped_names("mannequins")
+    """Names of the shipped mannequins, by kind and size."""
+    return sorted(shipped_names("mannequins"), key=lambda name: (name.partition("-")[0], int(name.partition("-")[2])))
 
 
-@functools.lru_cache(maxsize=4)
+@functools.lru_cache(maxsize=8)
 def read_mannequin(name_or_path: str | Path) -> Mannequin:
     """A mannequin from a shipped name (woman-88), a YAML file of measurements, or an OBJ, PLY, STL or GLB scan (see `read_mesh`).
 
