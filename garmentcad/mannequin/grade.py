@@ -13,11 +13,11 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import coo_array, diags_array
 
 from garmentcad.mannequin.fit import Space, fit, target_weights
 from garmentcad.mannequin.human import HumanModel, Shape, build_names
 from garmentcad.mannequin.sizes import base_sizes
+from garmentcad.mannequin.smooth import averaging
 from garmentcad.mannequin.stand import stand
 from garmentcad.mannequin.tapes import GIRTHS
 
@@ -90,12 +90,7 @@ def _base(model: HumanModel) -> _Base:
 def _smooth(model: HumanModel) -> np.ndarray:
     """(T,N,3) targets averaged over neighbours; the middle line takes the mirrored half into account."""
     count = len(model.base)
-    edges = np.vstack([model.faces[:, [0, 1]], model.faces[:, [1, 2]], model.faces[:, [2, 0]]])
-    edges = np.unique(np.sort(edges, axis=1), axis=0)
-    share = np.where(edges.max(axis=1) < model.border, 0.5, 1.0)  # an edge of the middle line stands once for both halves
-    ends, weight = np.vstack([edges, edges[:, ::-1]]).T, np.r_[share, share]
-    adjacency = coo_array((weight, (ends[0], ends[1])), shape=(count, count)).tocsr()
-    average = diags_array(1.0 / adjacency.sum(axis=1)) @ adjacency
+    average = averaging(model.faces, count, model.border)
     fields = np.ascontiguousarray(np.moveaxis(model.targets, 0, 1)).reshape(count, -1)
     for _ in range(_SMOOTHING):
         fields = 0.5 * (fields + average @ fields)

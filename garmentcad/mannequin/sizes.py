@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 
 from garmentcad.errors import MannequinError, did_you_mean
 
-_TABLE = {  # mm by bust; between the columns linear, beyond them by the slope of the last two
+_TABLE: dict[str, dict[str, tuple[float, ...]]] = {  # mm by bust; between the columns linear, beyond them by the slope of the last two
     "woman": {
         "bust": (760, 800, 840, 880, 920, 960, 1000, 1040, 1100, 1160, 1220),
         "waist": (600, 640, 680, 720, 760, 800, 840, 880, 940, 1000, 1060),

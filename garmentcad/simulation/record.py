@@ -10,13 +10,13 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from garmentcad import __version__
-from garmentcad.analysis.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
 from garmentcad.analysis.measures import Measures, measure
 from garmentcad.analysis.penetration import penetration_mm, signed_distances, vertex_normals
 from garmentcad.analysis.pressure import contact_pressure
 from garmentcad.analysis.run_record import RunRecord, Status
 from garmentcad.analysis.tributary import particle_areas
 from garmentcad.fabric.sheet import is_calibrated
+from garmentcad.geometry.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
 from garmentcad.placement.place import place_vertices
 from garmentcad.simulation.run import Outcome
 from garmentcad.solve.rest import patches, residual
