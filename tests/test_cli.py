@@ -32,9 +32,22 @@ def test_json_prints_one_object_and_nothing_else(tmp_path: Path) -> None:
         assert isinstance(json.loads(run.stdout), dict)
 
 
+def test_body_of_measurements_is_made_and_read_again(tmp_path: Path) -> None:
+    run = garmentcad("mannequin", "make", "woman", "bust=860", "waist=690", "hip=950", "--pad", "12", "-o", "anna.yaml", folder=tmp_path)
+    assert run.returncode == 0, run.stderr
+    assert run.stdout == "anna.yaml\n"
+    shown = json.loads(garmentcad("mannequin", "show", "anna.yaml", "--json", folder=tmp_path).stdout)
+    assert shown["measurements_mm"]["waist"] == pytest.approx(690, abs=0.1)
+    assert garmentcad("mannequin", "make", "woman-88", "--pose", "squat", "-o", "squat.obj", folder=tmp_path).returncode == 0
+    assert (tmp_path / "squat.obj").read_text().startswith("# garmentcad")
+
+
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
+        (("mannequin", "make", "woman", "bust=wide"), "bust=wide"),
+        (("mannequin", "make", "woman", "bust=860", "-o", "body.fbx"), ".yaml, .obj, .png"),
+        (("mannequin", "make", "woman-88", "waist=700", "-o", "body.obj"), "woman or man"),
         (("drape", "flared-skrit"), "did you mean"),
         (("drape", "flared-skirt", "--grid", "0.5"), "2 to 50 mm"),
         (("drape", "flared-skirt", "--max-time", "nan"), "--max-time"),

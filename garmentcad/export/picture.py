@@ -114,6 +114,20 @@ def _finished(image: Any, scene: _Scene, camera: Camera, painted_map: PaintedMap
     return picture
 
 
+def body_pixels(mannequin: Mannequin, view: str = "front", height_px: int = HEIGHT_PX) -> np.ndarray:
+    """The bare mannequin: pixels (height, width, 3) uint8. Raises InputError for an unknown view."""
+    scene = _Scene((_body_surface(mannequin, SkyLight(mannequin.vertices, mannequin.faces)),), ())
+    return _draw(scene, frame(view, mannequin.vertices, None, height_px))
+
+
+def render_body(path: str | Path, mannequin: Mannequin, view: str = "front", height_px: int = HEIGHT_PX) -> Path:
+    """Draw the bare mannequin into a PNG file; errors as in `render_picture`."""
+    image = _module("PIL.Image")
+    buffer = io.BytesIO()
+    image.fromarray(body_pixels(mannequin, view, height_px)).save(buffer, format="PNG", compress_level=COMPRESSION)
+    return write_atomic(path, buffer.getvalue())
+
+
 def _module(name: str) -> Any:
     try:
         return importlib.import_module(name)
@@ -153,10 +167,14 @@ def _scene(positions: np.ndarray, cloth: Cloth, mannequin: Mannequin | None, pai
         _Surface(positions, triangles[:, ::-1], -normals, wrong, look, sky.on(positions, -normals)),
     ]
     if mannequin is not None:
-        normals = particle_normals(mannequin.vertices, mannequin.faces)
-        surfaces.append(_Surface(mannequin.vertices, mannequin.faces, normals, np.array(BODY), CLOTH_LOOK, sky.on(mannequin.vertices, normals)))
+        surfaces.append(_body_surface(mannequin, sky))
     seams, free = seam_and_free_edges(cloth)
     return _Scene(tuple(surfaces), ((positions, free, HEM, HEM_PX), (positions, seams, SEAM, SEAM_PX)))
+
+
+def _body_surface(mannequin: Mannequin, sky: SkyLight) -> _Surface:
+    normals = particle_normals(mannequin.vertices, mannequin.faces)
+    return _Surface(mannequin.vertices, mannequin.faces, normals, np.array(BODY), CLOTH_LOOK, sky.on(mannequin.vertices, normals))
 
 
 def _draw(scene: _Scene, camera: Camera) -> np.ndarray:
@@ -181,7 +199,7 @@ def _draw(scene: _Scene, camera: Camera) -> np.ndarray:
         on_screen = camera.on_screen(line_points, OVERSAMPLING)
         draw_lines(on_screen, edges, OVERSAMPLING * radius_px, radius_px * camera.metres_a_pixel(), len(shown) + k, nearness, owner)
     pixels = np.empty((camera.height, camera.width, 3), dtype=np.uint8)
-    flat = floats([color for _, _, color, _ in scene.lines])
+    flat = floats([color for _, _, color, _ in scene.lines]).reshape(-1, 3)
     shade(owner, seen, shown, floats(np.concatenate(normals)), floats(np.concatenate(colors)), floats(np.concatenate(looks)),
           _lamps(camera), flat, _background(camera.height), pixels)  # fmt: skip
     return pixels

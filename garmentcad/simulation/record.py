@@ -9,7 +9,6 @@ import numba
 import numpy as np
 
 from garmentcad import __version__
-from garmentcad.analysis.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
 from garmentcad.analysis.measures import Measures, measure
 from garmentcad.analysis.on_body import on_body
 from garmentcad.analysis.penetration import penetration_mm
@@ -19,6 +18,7 @@ from garmentcad.fabric.sheet import is_calibrated
 from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
+from garmentcad.geometry.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
 from garmentcad.placement.place import place_vertices
 from garmentcad.simulation.run import Outcome
 from garmentcad.solve.rest import patches, residual
