@@ -15,6 +15,8 @@ from garmentcad.contact.body import kept_gap
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.mannequin.mannequin import Mannequin
 
+_AROUND = 3  # body vertices next to a particle, as many as a face has
+
 
 @dataclass(frozen=True)
 class OnBody:
@@ -28,5 +30,5 @@ def on_body(cloth: Cloth, materials: MaterialTable, mannequin: Mannequin, positi
     """Distance and pressure at positions (P,3) m. forces_n: (P,3) N of the laws and weight at rest, contact left out."""
     vertices, faces = mannequin.vertices, mannequin.faces
     distance, normal = distances_and_normals(positions, vertices, faces)
-    gap = kept_gap(cloth, materials, vertices, faces, cKDTree(vertices).query(positions)[1])
+    gap = kept_gap(cloth, materials, vertices, faces, cKDTree(vertices).query(positions, k=_AROUND)[1])
     return OnBody(distance, contact_pressure(forces_n, normal, distance, gap, draped_areas(cloth, positions)))

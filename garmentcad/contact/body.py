@@ -25,10 +25,10 @@ def _rise(surface: Surface, spacing: float) -> np.ndarray:
 
 
 def kept_gap(cloth: Cloth, materials: MaterialTable, vertices: np.ndarray, faces: np.ndarray, nearest: np.ndarray) -> np.ndarray:
-    """Gap (P,) m that contact keeps between mid-surface and body at each particle of a cloth: half the fabric's thickness, at least 1 mm, more where the body
-    bulges. nearest: (P,) the body vertex next to each particle."""
+    """Gap (P,) m up to which contact holds each particle of a cloth off a body, between mid-surfaces: half the fabric's thickness, at least 1 mm, more where
+    the body bulges. nearest: (P,K) body vertices around each particle; the largest bulge of them counts, because contact goes by the face that it met."""
     own = np.maximum(0.5 * largest_around(cloth, materials.thickness), LEAST_GAP)
-    rise = _rise(build_surface(vertices, faces), cloth.spacing)[nearest]
+    rise = _rise(build_surface(vertices, faces), cloth.spacing)[nearest].max(axis=1)
     return np.maximum(own, np.minimum(rise, LARGEST_GAP * cloth.spacing))
 
 
