@@ -10,6 +10,7 @@ import numpy as np
 from garmentcad.analysis.carried import Carried, carried
 from garmentcad.analysis.ease import Ease, garment_ease
 from garmentcad.analysis.hem import HemHeight, hem_height
+from garmentcad.analysis.hem_shape import HemShape, hem_shape
 from garmentcad.analysis.pressure import ContactPressure
 from garmentcad.analysis.strain import AXES, share_over_limit_percent, strain_map, strain_percentiles, trellis, trellis_summary, yarn_strain
 from garmentcad.analysis.tension import tension_map
@@ -35,6 +36,7 @@ class Measures:
     carried: Carried | None
     mass_kg: float
     pressure_kpa: dict[str, float | None]
+    hem_shape: HemShape | None = None
     maps: dict[str, np.ndarray] = field(default_factory=dict)
 
 
@@ -55,10 +57,7 @@ def measure(
     roles = {} if roles is None else roles
     counts = (cloth.particle_count, len(cloth.triangles), len(cloth.panel_names))
     if not np.isfinite(positions).all():
-        nothing: dict[str, float | None] = dict.fromkeys(("p50", "p99", "max", "min"))
-        no_trellis: dict[str, float | None] = dict.fromkeys(("p99", "max", "over_8_percent"))
-        no_pressure: dict[str, float | None] = dict.fromkeys(("max", "mean_in_contact"))
-        return Measures(*counts, {axis: dict(nothing) for axis in AXES}, no_trellis, None, {}, None, None, float(cloth.masses.sum()), no_pressure)
+        return unmeasured(*counts, float(cloth.masses.sum()))
     warp, weft = yarn_strain(cloth, positions, WARP), yarn_strain(cloth, positions, WEFT)
     maps = {"strain": strain_map(cloth, warp, weft), "tension": tension_map(cloth, warp, weft, materials)}
     if pressure is not None:
@@ -73,5 +72,14 @@ def measure(
         carried=None if mannequin is None or placed is None else carried(cloth, placed, positions, mannequin, roles),
         mass_kg=float(cloth.masses.sum()),
         pressure_kpa={"max": None, "mean_in_contact": None} if pressure is None else pressure.summary(),
+        hem_shape=hem_shape(cloth, positions, roles.get(HEM, ())),
         maps=maps,
     )
+
+
+def unmeasured(particles: int, triangles: int, panels: int, mass_kg: float) -> Measures:
+    """The record of a garment that has no shape to measure: every value is None."""
+    nothing: dict[str, float | None] = dict.fromkeys(("p50", "p99", "max", "min"))
+    trellis_deg: dict[str, float | None] = dict.fromkeys(("p99", "max", "over_8_percent"))
+    pressure_kpa: dict[str, float | None] = dict.fromkeys(("max", "mean_in_contact"))
+    return Measures(particles, triangles, panels, {axis: dict(nothing) for axis in AXES}, trellis_deg, None, {}, None, None, mass_kg, pressure_kpa)
