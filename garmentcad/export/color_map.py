@@ -26,6 +26,7 @@ MAPS = {
     "strain": MapKind("strain along\nthe yarns", "%", 100.0, _WARM),
     "tension": MapKind("tension along\nthe yarns", "N/m", 1.0, _WARM),
     "pressure": MapKind("pressure\non the body", "kPa", 1.0, _COOL),
+    "apart": MapKind("distance from\nthe other shape", "mm", 1000.0, _WARM),
 }
 TOP_PERCENTILE = 99.5
 

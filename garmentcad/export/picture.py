@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 import io
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from garmentcad.analysis.surface_distance import Surface
 from garmentcad.arrays import floats, indices
-from garmentcad.cloth.cloth import Cloth
 from garmentcad.errors import GarmentError, InputError
 from garmentcad.export import legend
 from garmentcad.export.camera import Camera, frame
@@ -59,7 +59,7 @@ class ViewMissing(GarmentError):
 def render_picture(
     path: str | Path,
     positions: np.ndarray,
-    cloth: Cloth,
+    cloth: Surface,
     mannequin: Mannequin | None,
     view: str = "front",
     map_name: str = "none",
@@ -82,27 +82,47 @@ def render_picture(
 def render_pictures(
     paths: Mapping[str, Path],
     positions: np.ndarray,
-    cloth: Cloth,
+    cloth: Surface,
     mannequin: Mannequin | None,
     painted_map: PaintedMap | None = None,
     height_px: int = HEIGHT_PX,
 ) -> list[Path]:
     """As `render_picture`, for several views (view -> file) that share what does not depend on the camera."""
+    made = pictures(tuple(paths), positions, cloth, mannequin, painted_map, height_px=height_px)
+    return [write_picture(paths[view], picture) for view, picture in made.items()]
+
+
+def pictures(
+    views: Sequence[str],
+    positions: np.ndarray,
+    cloth: Surface,
+    mannequin: Mannequin | None,
+    painted_map: PaintedMap | None = None,
+    framed: np.ndarray | None = None,
+    height_px: int = HEIGHT_PX,
+) -> dict[str, Any]:
+    """The pictures themselves (PIL images) by view. framed: (N,3) m, what the camera shows all of, in place of the positions (to compare garments)."""
+    shown = positions if framed is None else framed
     room = 0 if painted_map is None else round(legend.WIDTH * height_px)
-    cameras = {view: frame(view, positions, None if mannequin is None else mannequin.vertices, height_px, room) for view in paths}
+    cameras = {view: frame(view, shown, None if mannequin is None else mannequin.vertices, height_px, room) for view in views}
     image = _module("PIL.Image")
     scene = _scene(positions, cloth, mannequin, painted_map)
 
-    def write(view: str) -> Path:
+    def draw(view: str) -> Any:
         picture = image.fromarray(_draw(scene, cameras[view]))
         if painted_map is not None:
             legend.draw_legend(picture, painted_map)
-        buffer = io.BytesIO()
-        picture.save(buffer, format="PNG", compress_level=COMPRESSION)
-        return write_atomic(paths[view], buffer.getvalue())
+        return picture
 
     with ThreadPoolExecutor() as pool:
-        return list(pool.map(write, paths))
+        return dict(zip(views, pool.map(draw, views)))
+
+
+def write_picture(path: str | Path, picture: Any) -> Path:
+    """Write a PIL image as a PNG file."""
+    buffer = io.BytesIO()
+    picture.save(buffer, format="PNG", compress_level=COMPRESSION)
+    return write_atomic(path, buffer.getvalue())
 
 
 def _module(name: str) -> Any:
@@ -130,7 +150,7 @@ class _Scene:
     lines: tuple[tuple[np.ndarray, np.ndarray, tuple[float, float, float], float], ...]  # points, edges, color, width in pixels
 
 
-def _scene(positions: np.ndarray, cloth: Cloth, mannequin: Mannequin | None, painted_map: PaintedMap | None) -> _Scene:
+def _scene(positions: np.ndarray, cloth: Surface, mannequin: Mannequin | None, painted_map: PaintedMap | None) -> _Scene:
     triangles = cloth.particle_triangles
     normals = particle_normals(positions, triangles)
     right, wrong = (np.array(RIGHT_SIDE), np.array(WRONG_SIDE)) if painted_map is None else (painted_map.colors(),) * 2

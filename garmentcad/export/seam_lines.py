@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from garmentcad.analysis.surface_distance import Surface
 from garmentcad.arrays import unique_pairs
-from garmentcad.cloth.cloth import Cloth
 
 
-def seam_and_free_edges(cloth: Cloth) -> tuple[np.ndarray, np.ndarray]:
+def seam_and_free_edges(cloth: Surface) -> tuple[np.ndarray, np.ndarray]:
     """Pairs of particles (S,2) along seams and dart legs, and (B,2) along hems and other free edges.
 
     An edge of one panel that one triangle alone uses lies on the contour. Where two contour edges have the same two particles they are sewn together.
