@@ -102,9 +102,7 @@ def small_cloth() -> Cloth:
 
     rows = np.column_stack([contour[k : len(contour) - 3 + k] for k in range(4)])
     count = len(rows)
-    spans = ContourSpans(
-        indices(rows), np.tile([-1.0, 3.0, -3.0, 1.0], (count, 1)), np.full(count, H), rng.uniform(0.0, 1.0, count), material(count)
-    )
+    spans = ContourSpans(indices(rows), np.tile([-1.0, 3.0, -3.0, 1.0], (count, 1)), np.full(count, H), rng.uniform(0.0, 1.0, count), material(count))
 
     masses = np.zeros(len(uv))
     np.add.at(masses, corners, 0.15 * H * H / 4)

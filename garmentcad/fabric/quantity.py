@@ -52,9 +52,7 @@ QUANTITIES: dict[str, Quantity] = {
     )
 }
 
-KEYS: tuple[str, ...] = tuple(
-    key for q in QUANTITIES.values() for key in ([q.name] if not q.directions else [f"{q.name}.{way}" for way in q.directions])
-)
+KEYS: tuple[str, ...] = tuple(key for q in QUANTITIES.values() for key in ([q.name] if not q.directions else [f"{q.name}.{way}" for way in q.directions]))
 
 
 def quantity_of(key: str) -> Quantity:

@@ -130,6 +130,7 @@ class ForceLattice:
             self._coefficients[_C_TWIST] = twist.rows(slots)
         if bend in self.laws:
             self._coefficients[_C_BEND_WEFT], self._coefficients[_C_BEND_WARP] = bend.rows(slots, inner.direction)
+        numba.get_num_threads()  # starts the threads: before that a thread has no number by which it finds its room
         self._rooms = aligned_zeros(numba.config.NUMBA_NUM_THREADS, _ALL, slots.room)  # type: ignore[attr-defined]
         self.corners = slots.blocks.particle
 

@@ -32,9 +32,7 @@ def draft(spec: GarmentSpec, measurements_mm: Mapping[str, float], values: Mappi
     return pattern
 
 
-def draft_errors(
-    spec: GarmentSpec, measurements_mm: Mapping[str, float], values: Mapping[str, float] | None = None
-) -> tuple[Pattern | None, list[InputError]]:
+def draft_errors(spec: GarmentSpec, measurements_mm: Mapping[str, float], values: Mapping[str, float] | None = None) -> tuple[Pattern | None, list[InputError]]:
     """As `draft`, but every fault that can be told apart is collected; the pattern is None when there is one."""
     errors: list[InputError] = []
 
