@@ -16,13 +16,12 @@ SETTING = {"garment": "band", "fabric": "denim", "mannequin": "woman-88", "grid_
 KEYS = ["hem.nodes", "hem_height_mm", "shape"]
 
 
-@pytest.mark.parametrize("lays", [4, 10, 25])
-def test_one_more_lay_lies_within(lays: int) -> None:
-    """Counted on 200,000 made-up garments whose figures are normal: 1 % of the next lays lie outside, whatever the number of lays."""
+@pytest.mark.parametrize(("lays", "more"), [(4, 1), (10, 1), (25, 1), (10, 4)])
+def test_more_lays_lie_within(lays: int, more: int) -> None:
+    """Counted on 200,000 made-up garments whose figures are normal: 1 % of the next lays, or of their means, lie outside, whatever the number of lays."""
     rng = np.random.default_rng(lays)
-    drawn = rng.standard_normal((200_000, lays + 1))
-    before, following = drawn[:, :-1], drawn[:, -1]
-    outside = np.abs(following - before.mean(axis=1)) > factor(lays, 0.99) * before.std(axis=1, ddof=1)
+    before, following = rng.standard_normal((200_000, lays)), rng.standard_normal((200_000, more)).mean(axis=1)
+    outside = np.abs(following - before.mean(axis=1)) > factor(lays, more, 0.99) * before.std(axis=1, ddof=1)
     assert outside.mean() == pytest.approx(0.01, abs=4.0 * np.sqrt(0.01 * 0.99 / 200_000))
 
 
@@ -32,8 +31,9 @@ def test_figures() -> None:
     assert made.sd == pytest.approx(np.sqrt(2.0 / 3.0), rel=0.01)
     assert made.tol == pytest.approx(factor(4) * np.sqrt(2.0 / 3.0), rel=0.01)
     assert (made.low, made.high) == (611.0, 613.0)
-    assert factor(10, 0.999) == pytest.approx(4.781 * np.sqrt(1.1), abs=1e-3)  # printed tables: t of 9 degrees of freedom, 0.05 % on each side
+    assert factor(10, confidence=0.999) == pytest.approx(4.781 * np.sqrt(1.1), abs=1e-3)  # printed tables: t of 9 degrees of freedom, 0.05 % on each side
     assert factor(10) == pytest.approx(6.30, abs=0.01)
+    assert figure([612.0, 613.0, 611.0, 612.0], 4).tol == pytest.approx(made.tol * np.sqrt((1 / 4 + 1 / 4) / (1 + 1 / 4)), rel=0.01)
     # lays that agree: a node more or less, a thousandth of a length
     assert figure([8, 8, 8]).tol == 1.0
     assert figure([612.0, 612.0, 612.0]).tol == pytest.approx(0.612)

@@ -13,7 +13,7 @@ from garment_band import BAND, band_spec
 
 from garmentcad.errors import FileError, InputError, SpecError
 from garmentcad.io.garment_test_file import ENDING, find_garment_tests, read_garment_tests
-from garmentcad.io.shipped import shipped_file
+from garmentcad.io.shipped import shipped_file, shipped_folder
 from garmentcad.io.spec_file import read_spec, write_spec
 from garmentcad.pattern.garment_test import Tolerance
 from garmentcad.regression import pytest_plugin
@@ -124,3 +124,13 @@ def test_references_stay_in_the_folder(tmp_path: Path) -> None:
     assert caught.value.key == "fabric"
     with pytest.raises(FileError, match="is refused"):
         read_garment_tests(written(tmp_path / "in", TEST | {"spec": "../band.yaml"}))
+
+
+def test_every_shipped_garment_has_a_test() -> None:
+    folder = shipped_folder("patterns") / "tests"
+    cases = [case for file in find_garment_tests(folder) for case in read_garment_tests(file)]
+    garments = {path.resolve() for path in shipped_folder("patterns").glob("*.yaml")}
+    assert {case.spec.resolve() for case in cases} == garments
+    for case in cases:
+        assert case.test.baseline, case.name
+        assert case.baseline_file.exists(), case.name

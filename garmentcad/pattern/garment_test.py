@@ -71,6 +71,7 @@ Expected = Annotated[Annotated[Tolerance, Tag("<tolerance>")] | Annotated[Range,
 class GarmentTest(Model):
     """One drape and what is asserted of it. fabric, mannequin: in place of the spec's own.
 
+    lays: how many starts are draped, the drafted one first; with several, a baseline is compared with their mean, which shows what one drape's scatter hides.
     report: what is expected, written by hand. baseline: keys whose values and tolerances were measured over lays, kept in a file beside the test.
     """
 
@@ -79,6 +80,7 @@ class GarmentTest(Model):
     grid_mm: Number = 10.0
     seed: Annotated[int, Field(strict=True, ge=0)] = 0
     max_time_s: Number = 12.0
+    lays: Annotated[int, Field(strict=True, ge=1, le=100)] = 1
     report: dict[ReportKey, Expected] = {}
     baseline: list[ReportKey] = []
 

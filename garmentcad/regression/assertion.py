@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from typing import Any
@@ -53,6 +53,19 @@ def values_at(report: Mapping[str, Any], key: str) -> dict[str, Any]:
             if fnmatchcase(known, name)
         }
     return {path: value for path, value in found.items() if value is not None} if ANY in key else found
+
+
+def means(reports: Sequence[Mapping[str, Any]], key: str) -> dict[str, Any]:
+    """Path -> mean over reports of each value that a key means; None where one report has no number there."""
+    found = [values_at(report, key) for report in reports]
+    if len(found) == 1:
+        return found[0]
+    return {path: _mean([values.get(path) for values in found]) for path in found[0]}
+
+
+def _mean(values: list[Any]) -> float | None:
+    numbers = [value for value in values if isinstance(value, (int, float)) and not isinstance(value, bool)]
+    return sum(numbers) / len(numbers) if len(numbers) == len(values) else None
 
 
 def judge(report: Mapping[str, Any], expected: Mapping[str, Expected]) -> list[Verdict]:

@@ -1,9 +1,9 @@
 """Baselines: what a garment's figures are over several lays, and how far they may go before a test fails.
 
-Value and tolerance of a figure: mean of the lays, and k standard deviations, k such that one more lay of normally distributed figures lies within with a
-probability of 99.98 %: k = t sqrt(1 + 1/n), t the two-sided quantile of Student's distribution with n - 1 degrees of freedom (a prediction interval; 6.3 for
-ten lays). Never less than 1 for counts and a thousandth of the value for others: lays that agree by chance are no proof of more. Distances from the baseline's
-shape, of which only large ones are bad, may reach the mean plus k standard deviations of those of the other lays.
+Value and tolerance of a figure: mean of n lays, and k standard deviations, k such that the mean of m more lays of normally distributed figures lies within
+with a probability of 99.98 %: k = t sqrt(1/m + 1/n), t the two-sided quantile of Student's distribution with n - 1 degrees of freedom (a prediction interval;
+6.3 for ten lays and one more). Never less than 1 for counts and a thousandth of the value for others: lays that agree by chance are no proof of more. Distances
+from the baseline's shape, of which only large ones are bad, may reach the mean plus k standard deviations (m = 1) of those of the other lays.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ FEWEST_LAYS = 3
 
 
 RULE = (
-    f"mean of the lays +- k sd; k = t sqrt(1 + 1/n), Student's t for {100 * CONFIDENCE:g} % on both sides; at least {LEAST_COUNT:g} for counts, "
-    f"{LEAST_SHARE:g} of the value for others; distances from the shape: at most mean + k sd"
+    f"mean of n lays +- k sd; k = t sqrt(1/m + 1/n), m lays in a test, Student's t for {100 * CONFIDENCE:g} % on both sides; "
+    f"at least {LEAST_COUNT:g} for counts, {LEAST_SHARE:g} of the value for others; distances from the shape: at most mean + k sd"
 )
 
 
@@ -86,16 +86,16 @@ class Shape:
         return self.vertex_particle[self.triangles]
 
 
-def factor(lays: int, confidence: float = CONFIDENCE) -> float:
-    """Standard deviations within which one more lay lies with that probability."""
-    return float(student.ppf(0.5 * (1.0 + confidence), lays - 1)) * math.sqrt(1.0 + 1.0 / lays)
+def factor(lays: int, more: int = 1, confidence: float = CONFIDENCE) -> float:
+    """Standard deviations within which the mean of that many more lays lies with that probability."""
+    return float(student.ppf(0.5 * (1.0 + confidence), lays - 1)) * math.sqrt(1.0 / more + 1.0 / lays)
 
 
-def figure(values: Sequence[float | int]) -> Figure:
-    """Mean, tolerance and spread of a value over lays."""
+def figure(values: Sequence[float | int], more: int = 1) -> Figure:
+    """Mean, tolerance and spread of a value over lays. more: lays whose mean a test compares with it."""
     mean, sd = float(np.mean(values)), float(np.std(values, ddof=1))
     least = LEAST_COUNT if all(isinstance(value, int) for value in values) else LEAST_SHARE * abs(mean)
-    return _figure(mean, max(factor(len(values)) * sd, least), sd, values)
+    return _figure(mean, max(factor(len(values), more) * sd, least), sd, values)
 
 
 def distance_figure(values: Sequence[float]) -> Figure:

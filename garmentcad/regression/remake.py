@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 from garmentcad import __version__
 from garmentcad.analysis.surface_distance import surface_distance
-from garmentcad.errors import GarmentError, InputError, SpecError, TangledError
-from garmentcad.export.drape import finish
-from garmentcad.export.result_folder import Result
+from garmentcad.errors import GarmentError, InputError, SpecError
 from garmentcad.io.garment_test_file import GarmentTestCase
 from garmentcad.pattern.garment_test import SHAPE
 from garmentcad.regression.assertion import values_at
 from garmentcad.regression.baseline import FEWEST_LAYS, RULE, Baseline, Figure, Shape, distance_figure, figure, write_baseline
+from garmentcad.regression.lays import Lay, drape_lays
 from garmentcad.regression.trial import job_of, setting
 from garmentcad.simulation.course import Progress
 from garmentcad.simulation.job import Job
-from garmentcad.simulation.lay import displaced
 
 LAYS = 10
 # Where other lays lie farther away than this in the mean (RMS), folds fall elsewhere: the shape says nothing, its figures do.
@@ -26,14 +23,6 @@ SHARE_OF_GRID = 0.5
 
 class UnfitBaselineError(GarmentError):
     """A garment whose lays do not come to rest, or do not agree in what the test asks for, can have no such baseline."""
-
-
-@dataclass(frozen=True)
-class Lay:
-    """One drape for a baseline. seed: of the displacement; 0 is the start as drafted, which is the one that the test itself takes."""
-
-    seed: int
-    result: Result
 
 
 def remake(case: GarmentTestCase, lays: int, say: Callable[[str], None], look: Callable[[Progress], None] = lambda progress: None) -> Baseline:
@@ -46,31 +35,17 @@ def remake(case: GarmentTestCase, lays: int, say: Callable[[str], None], look: C
     if not case.test.baseline:
         raise SpecError("the test names no keys of which a baseline could be made", file=str(case.file), key="baseline")
     job = job_of(case)
-    drapes, refused = drape_lays(job, lays, say, look)
+
+    def at_rest(lay: Lay) -> None:
+        say(f"start {lay.seed}: {lay.result.report['status']}")
+        if lay.result.report["status"] != "converged":
+            raise UnfitBaselineError(f"start {lay.seed} ended as {lay.result.report['status']}; a garment that does not come to rest can have no baseline")
+
+    drapes, refused = drape_lays(job, lays, at_rest, look)
     baseline = baseline_of(case, job, drapes, refused)
     first = drapes[0].result
     write_baseline(case.baseline_file, baseline, Shape(first.state.positions, first.cloth.triangles, first.cloth.vertex_particle))
     return baseline
-
-
-def drape_lays(job: Job, lays: int, say: Callable[[str], None], look: Callable[[Progress], None]) -> tuple[list[Lay], int]:
-    """The start as drafted and lays - 1 that differ, and how many starts were refused because displaced panels crossed. UnfitBaselineError as `remake`."""
-    drapes: list[Lay] = []
-    seed, refused = 0, 0
-    while len(drapes) < lays:
-        try:
-            result, _ = finish(displaced(job, seed) if seed else job, look, None)
-        except TangledError:
-            if seed == 0 or refused > lays:
-                raise
-            refused += 1
-        else:
-            say(f"lay {len(drapes) + 1} of {lays} (start {seed}): {result.report['status']}")
-            if result.report["status"] != "converged":
-                raise UnfitBaselineError(f"start {seed} ended as {result.report['status']}; a garment that does not come to rest can have no baseline")
-            drapes.append(Lay(seed, result))
-        seed += 1
-    return drapes, refused
 
 
 def baseline_of(case: GarmentTestCase, job: Job, drapes: list[Lay], refused: int) -> Baseline:
@@ -87,7 +62,7 @@ def baseline_of(case: GarmentTestCase, job: Job, drapes: list[Lay], refused: int
             numbers = [value for value in values if isinstance(value, (int, float)) and not isinstance(value, bool)]
             if len(numbers) < len(values):
                 raise UnfitBaselineError(f"{case.file}: baseline.{path}: a number is wanted of every lay, came {values}")
-            report[path] = figure(numbers)
+            report[path] = figure(numbers, case.test.lays)
     rms = biggest = None
     if SHAPE in case.test.baseline:
         first, *others = (lay.result for lay in drapes)
@@ -98,6 +73,6 @@ def baseline_of(case: GarmentTestCase, job: Job, drapes: list[Lay], refused: int
             remedy = f"take {SHAPE} off the list and keep what does not depend on their place (hem.nodes, hem.drape_coefficient_percent, hem_height_mm)"
             raise UnfitBaselineError(f"{case.file}: baseline.{SHAPE}: {far}; {remedy}")
     return Baseline(
-        version=__version__, rule=RULE, lays=len(drapes), refused=refused, setting=setting(job), keys=list(case.test.baseline), report=report,
+        version=__version__, rule=RULE, lays=len(drapes), refused=refused, setting=setting(case, job), keys=list(case.test.baseline), report=report,
         rms_mm=rms, max_mm=biggest,
     )  # fmt: skip
