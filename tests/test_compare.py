@@ -15,7 +15,7 @@ from hand_made import rectangles, tube
 from rich.console import Console
 from test_fit import worn
 
-from garmentcad.analysis.comparison import Surface, shape_difference
+from garmentcad.analysis.surface_distance import Surface, surface_distance
 from garmentcad.cloth.state import State
 from garmentcad.errors import InputError
 from garmentcad.export.compare import Worn, compare, comparison_tables, draw_comparison, read_worn, write_comparison
@@ -42,12 +42,12 @@ def compared(a: Result, b: Result):
 def test_shapes_of_any_lattice() -> None:
     """Tubes of 20 and 40 sides, radii 130 and 140 mm: 10 mm apart but for the chords' sagitta."""
     a, b = worn(), wider(0.010)
-    found = shape_difference(surface(a), surface(b))
+    found = surface_distance(surface(a), surface(b))
     sagitta = 140.0 * (1.0 - math.cos(math.pi / 40))
-    assert found.apart_mm == pytest.approx(10.0, abs=sagitta + 1e-6)
-    assert found.rms_mm == pytest.approx(10.0, abs=sagitta)
+    assert found.from_first_mm == pytest.approx(10.0, abs=sagitta + 1e-6)
+    assert found.rms_mm == pytest.approx(10.0, abs=1.0)  # B's corners lie up to 1.6 mm farther from A's flat sides
     assert found.max_mm == pytest.approx(10.0 + 130.0 * (1.0 - math.cos(math.pi / 20)), abs=0.2)  # from B's corners to A's flat sides
-    same = shape_difference(surface(a), surface(a))
+    same = surface_distance(surface(a), surface(a))
     assert (same.rms_mm, same.max_mm) == pytest.approx((0.0, 0.0), abs=1e-9)
 
 
@@ -56,10 +56,12 @@ def test_a_lost_hem_is_seen_from_the_longer_garment() -> None:
     shorter = rectangles(10, 6, 0.02, 2, sewn=True)
     cut = tube(shorter, 10, 2, lambda row, angle: np.full_like(angle, 0.13), lambda row: 0.74 + 0.02 * row)
     short = Surface(cut, shorter.particle_triangles)
-    found = shape_difference(short, surface(b))
-    assert found.rms_mm == pytest.approx(0.0, abs=1e-6)
+    found = surface_distance(short, surface(b))
+    assert found.from_first_mm == pytest.approx(0.0, abs=1e-6)
+    # Both ways: strips of B with corners at 0 and 20, 20 and 40 mm, of 8 rows of B and 6 of the short one.
+    assert found.rms_mm == pytest.approx(math.sqrt(((0 + 400) / 2 + (400 + 1600) / 2) / (8 + 6)))
     assert found.max_mm == pytest.approx(40.0)
-    assert shape_difference(surface(a), short).max_mm == pytest.approx(40.0)
+    assert surface_distance(surface(a), short).max_mm == pytest.approx(40.0)
 
 
 def test_table_and_files(tmp_path: Path) -> None:

@@ -37,7 +37,7 @@ def test_every_figure_has_a_unit_of_its_name() -> None:
     assert (found["trellis_deg.max"].unit, found["trellis_deg.over_8_percent"].unit) == ("°", "%")
     assert (found["support_n.normal"].unit, found["contact_area_m2"].unit, found["mass_kg"].unit) == ("N", "m²", "kg")
     assert found["ease_mm.bust"].value is None
-    assert all(figure.unit for figure in found.values())
+    assert {name for name, figure in found.items() if not figure.unit} == {"hem.nodes"}  # a count
 
 
 def test_json_and_csv_hold_the_same(tmp_path: Path) -> None:

@@ -19,7 +19,7 @@ from garmentcad.analysis.pressure import contact_pressure
 from garmentcad.analysis.run_record import RunRecord
 from garmentcad.analysis.seam_tension import SeamTension
 from garmentcad.analysis.tributary import draped_areas
-from garmentcad.export.report import build_report, report_json, report_table, write_report
+from garmentcad.export.report import blank_report, build_report, report_json, report_table, write_report
 
 # DESIGN section 5: "report.json holds at least".
 PROMISED = [
@@ -29,7 +29,7 @@ PROMISED = [
     "strain_percent.warp.p99", "strain_percent.warp.max", "strain_percent.warp.min", "strain_percent.weft.p99", "trellis_deg.p99", "trellis_deg.max",
     "trellis_deg.over_8_percent", "strain_over_limit_percent", "constraints.max_gap_mm", "constraints.max_speed_m_s", "constraints.conflicting",
     "seam_gap_mm.max", "mannequin_penetration_mm.max", "self_intersections", "mannequin_intersections", "pattern_ease_mm.bust",
-    "pattern_ease_mm.waist", "pattern_ease_mm.hip", "ease_mm.bust", "ease_mm.waist", "ease_mm.hip", "hem_height_mm", "pressure_kpa.max",
+    "pattern_ease_mm.waist", "pattern_ease_mm.hip", "ease_mm.bust", "ease_mm.waist", "ease_mm.hip", "hem_height_mm", "hem.nodes", "pressure_kpa.max",
     "pressure_kpa.mean_in_contact", "energy_j.stretch", "energy_j.shear", "energy_j.bend", "energy_j.gravity", "energy_j.friction_work",
     "energy_j.damping_work", "uncalibrated", "warnings", "strain_percent.bias.max", "strain_of_limit_percent.weft.max", "tension_n_m.weft.p99",
     "body_girth_mm.waist", "ease_mm.top_arm_left", "ease_mm.thigh_right", "hem_uneven_mm", "pressure_kpa.p95", "friction_kpa.max", "support_n.weight",
@@ -144,3 +144,13 @@ def test_table_for_people() -> None:
     figures = ("converged", "2460 particles", "+188.1 mm draped, +146.0 mm on the pattern", "630 mm")
     for expected in (*figures, "0 in the cloth", "an estimate", "uncalibrated"):
         assert expected in text
+
+
+def test_a_blank_report_has_the_keys_of_every_report() -> None:
+    def keys(node: dict, path: str = "") -> set[str]:
+        return {item for key, value in node.items() for item in ({f"{path}{key}"} | (keys(value, f"{path}{key}.") if isinstance(value, dict) else set()))}
+
+    made = keys(build_report(run_record(), tube_measures()))
+    extra = {"versions.numpy", "versions.garmentcad", "energy_j.air"}  # what one run adds
+    assert keys(blank_report()) == {key for key in made - extra if not key.startswith("seam_tension.")}  # seams are called what the garment calls them
+    json.dumps(blank_report(), allow_nan=False)

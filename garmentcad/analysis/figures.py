@@ -8,16 +8,16 @@ from typing import Any
 
 # Keys of report.json that say how a garment fits, in the order of a fit table; "lines" holds what was measured in planes that the user named.
 FIT_KEYS = (
-    "ease_mm", "pattern_ease_mm", "body_girth_mm", "ease_level_mm", "lines", "hem_height_mm", "hem_range_mm", "hem_uneven_mm", "waist_drop_mm",
-    "armhole_to_shoulder_mm", "strain_percent", "strain_of_limit_percent", "strain_over_limit_percent", "trellis_deg", "tension_n_m", "seam_tension",
-    "pressure_kpa", "friction_kpa", "contact_area_m2", "support_n", "distance_mm", "mass_kg",
+    "ease_mm", "pattern_ease_mm", "body_girth_mm", "ease_level_mm", "lines", "hem_height_mm", "hem_range_mm", "hem_uneven_mm", "hem",
+    "waist_drop_mm", "armhole_to_shoulder_mm", "strain_percent", "strain_of_limit_percent", "strain_over_limit_percent", "trellis_deg", "tension_n_m",
+    "seam_tension", "pressure_kpa", "friction_kpa", "contact_area_m2", "support_n", "distance_mm", "mass_kg",
 )  # fmt: skip
 UNITS = {"_mm": "mm", "_percent": "%", "_deg": "°", "_n_m": "N/m", "_kpa": "kPa", "_m2": "m²", "_n": "N", "_kg": "kg"}
 
 
 @dataclass(frozen=True)
 class Figure:
-    """A number and its unit; value is None where it was not measured."""
+    """A number and its unit, "" for counts; value is None where it was not measured."""
 
     value: float | None
     unit: str

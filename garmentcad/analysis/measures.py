@@ -10,6 +10,7 @@ import numpy as np
 from garmentcad.analysis.carried import Carried, carried
 from garmentcad.analysis.ease import Ease, garment_ease
 from garmentcad.analysis.hem import HemHeight, hem_height
+from garmentcad.analysis.hem_shape import HemShape, hem_shape
 from garmentcad.analysis.maps import fabric_maps
 from garmentcad.analysis.on_body import OnBody
 from garmentcad.analysis.pressure import CONTACT_KEYS, SUPPORT_KEYS
@@ -53,6 +54,7 @@ class Measures:
     strain_over_limit_percent: float | None
     ease: dict[str, Ease | None]
     hem: HemHeight | None
+    hem_shape: HemShape | None
     carried: Carried | None
     mass_kg: float
     pressure_kpa: dict[str, float | None]
@@ -80,18 +82,17 @@ def measure(
     Positions that are not finite (a diverged run) give a record whose values are None.
     """
     roles = {} if roles is None else roles
+    counts = (cloth.particle_count, len(cloth.triangles), len(cloth.panel_names))
+    mass = float(cloth.masses.sum())
     if not np.isfinite(positions).all():
-        return _nothing(cloth)
+        return unmeasured(*counts, mass)
     warp, weft = (yarn_strain(cloth, positions, direction) for direction in (WARP, WEFT))
     maps = fabric_maps(cloth, positions, materials)
     if on_body is not None:
         maps |= {"pressure": on_body.pressure.kpa, "friction": on_body.pressure.friction_kpa, "distance": M_TO_MM * on_body.distance_m}
     pressure = None if on_body is None else on_body.pressure
-    mass = float(cloth.masses.sum())
     return Measures(
-        cloth.particle_count,
-        len(cloth.triangles),
-        len(cloth.panel_names),
+        *counts,
         strain_percent={"warp": strain_percentiles(warp), "weft": strain_percentiles(weft), "bias": strain_percentiles(*bias_strain(cloth, positions))},
         strain_of_limit_percent=of_limit_percent(warp, weft, materials),
         tension_n_m={axis: tension_summary(cloth, positions, materials, direction) for axis, direction in zip(AXES, (WARP, WEFT))},
@@ -99,6 +100,7 @@ def measure(
         strain_over_limit_percent=share_over_limit_percent(warp, weft, materials),
         ease={} if mannequin is None else garment_ease(cloth, positions, mannequin),
         hem=hem_height(cloth, positions, roles.get(HEM, ())),
+        hem_shape=hem_shape(cloth, positions, roles.get(HEM, ())),
         carried=None if mannequin is None or placed is None else carried(cloth, placed, positions, mannequin, roles),
         mass_kg=mass,
         pressure_kpa=dict.fromkeys(CONTACT_KEYS) if pressure is None else pressure.summary(),
@@ -117,15 +119,16 @@ def _distances(distance_m: np.ndarray, area: np.ndarray) -> dict[str, float | No
     return {key: None if value is None else M_TO_MM * value for key, value in found.items()}
 
 
-def _nothing(cloth: Cloth) -> Measures:
-    """Of positions that are not finite."""
-    counts = (cloth.particle_count, len(cloth.triangles), len(cloth.panel_names))
+def unmeasured(particles: int, triangles: int, panels: int, mass_kg: float) -> Measures:
+    """The record of a garment that has no shape to measure: every value is None."""
 
     def none(*keys: str) -> dict[str, float | None]:
         return dict.fromkeys(keys)
 
     return Measures(
-        *counts,
+        particles,
+        triangles,
+        panels,
         strain_percent={axis: none("p50", "p99", "max", "min") for axis in (*AXES, "bias")},
         strain_of_limit_percent={axis: none("p99", "max") for axis in AXES},
         tension_n_m={axis: none("p50", "p99", "max") for axis in AXES},
@@ -133,8 +136,9 @@ def _nothing(cloth: Cloth) -> Measures:
         strain_over_limit_percent=None,
         ease={},
         hem=None,
+        hem_shape=None,
         carried=None,
-        mass_kg=float(cloth.masses.sum()),
+        mass_kg=mass_kg,
         pressure_kpa=none(*CONTACT_KEYS),
         friction_kpa=none(*CONTACT_KEYS),
         support_n=none(*SUPPORT_KEYS),

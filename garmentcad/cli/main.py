@@ -7,7 +7,7 @@ import sys
 import typer
 
 from garmentcad import __version__
-from garmentcad.cli import bench, check, compare, drape, fabric, fit, mannequin, output
+from garmentcad.cli import bench, check, compare, drape, fabric, fit, mannequin, output, test
 from garmentcad.errors import GarmentError, InputError
 
 EXIT_DONE, EXIT_FAULT, EXIT_REFUSED, EXIT_NOT_AT_REST, EXIT_ASSERTION = 0, 1, 2, 3, 4
@@ -18,6 +18,7 @@ ABOUT = "Garments from sewn patterns and measured fabrics, draped on mannequins.
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False, help=ABOUT)
 app.command()(drape.drape)
 app.command()(check.check)
+app.command("test")(test.garment_test)
 app.command()(bench.bench)
 app.command()(output.render)
 app.command()(output.export)

@@ -32,7 +32,7 @@ MAPS = {
     "tension": MapKind("tension along\nthe yarns", "N/m", 1.0, _WARM),
     "pressure": MapKind("pressure\non the body", "kPa", 1.0, _COOL),
     "friction": MapKind("friction\non the body", "kPa", 1.0, _COOL),
-    "apart": MapKind("distance\nfrom B", "mm", 1.0, _WARM),
+    "apart": MapKind("distance from\nthe other", "mm", 1.0, _WARM),
     "distance": MapKind("distance\nfrom body", "mm", 1.0, _GREEN),
 }
 TOP_PERCENTILE = 99.5
@@ -57,15 +57,19 @@ class PaintedMap:
         return np.column_stack([np.interp(place, np.linspace(0.0, 1.0, len(stops)), stops[:, channel]) for channel in range(3)])
 
 
-def painted(name: str, values: np.ndarray, high: float | None = None) -> PaintedMap:
-    """Scale values (P,) of the map `name` for drawing: from 0 to a round number at their 99.5th percentile, or to `high` [legend's unit] where one is given
-    (to compare garments). Raises InputError for an unknown map."""
+def painted(name: str, values: np.ndarray) -> PaintedMap:
+    """Scale values (P,) of the map `name` for drawing: from 0 to a round number at their 99.5th percentile. Raises InputError for an unknown map."""
+    return painted_alike(name, values)[0]
+
+
+def painted_alike(name: str, *garments: np.ndarray) -> list[PaintedMap]:
+    """As `painted` for several garments, on one scale: that of the one that needs the largest."""
     if name not in MAPS:
         raise InputError(f"no such map: {name!r}; allowed: none, {', '.join(MAPS)}", key="map")
     kind = MAPS[name]
-    scaled = np.asarray(values, dtype=np.float64) * kind.factor
-    top = float(np.percentile(scaled, TOP_PERCENTILE)) if len(scaled) else 0.0
-    return PaintedMap(kind, scaled, 0.0, round_up(top) if high is None else high)
+    scaled = [np.asarray(values, dtype=np.float64) * kind.factor for values in garments]
+    top = round_up(max(float(np.percentile(values, TOP_PERCENTILE)) if len(values) else 0.0 for values in scaled))
+    return [PaintedMap(kind, values, 0.0, top) for values in scaled]
 
 
 def round_up(value: float) -> float:

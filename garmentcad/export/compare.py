@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
-import importlib
-import io
 import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from rich.table import Table
 
-from garmentcad.analysis.comparison import ShapeDifference, Surface, shape_difference
 from garmentcad.analysis.figures import Figure, figures
+from garmentcad.analysis.surface_distance import Surface, SurfaceDistance, surface_distance
 from garmentcad.errors import InputError
-from garmentcad.export import legend
-from garmentcad.export.camera import frame
-from garmentcad.export.color_map import MAPS, TOP_PERCENTILE, painted, round_up
+from garmentcad.export.color_map import painted, painted_alike
 from garmentcad.export.fit import csv_text, plain_table, shown
 from garmentcad.export.obj import read_garment_obj
-from garmentcad.export.picture import COMPRESSION, HEIGHT_PX, draw_picture
+from garmentcad.export.picture import HEIGHT_PX, write_picture
 from garmentcad.export.result_folder import Result, read_report, read_result_folder
+from garmentcad.export.side_by_side import Exhibit, draw_side_by_side
 from garmentcad.io.atomic import write_atomic
 
 COMPARED = ("garment", "fabric", "mannequin", "grid_mm", "seed", "status", "spec_sha256", "state_sha256")
@@ -47,7 +43,7 @@ class Comparison:
 
     unlike: dict[str, tuple[Any, Any]]
     rows: dict[str, tuple[Figure | None, Figure | None]]
-    shape: ShapeDifference
+    shape: SurfaceDistance
 
 
 def compare(a: Worn, b: Worn) -> Comparison:
@@ -59,7 +55,7 @@ def compare(a: Worn, b: Worn) -> Comparison:
     }
     of_a, of_b = figures(a.report), figures(b.report)
     rows = {name: (of_a.get(name), of_b.get(name)) for name in dict.fromkeys((*of_a, *of_b))}
-    return Comparison(unlike, rows, shape_difference(a.surface, b.surface))
+    return Comparison(unlike, rows, surface_distance(a.surface, b.surface))
 
 
 def difference(pair: tuple[Figure | None, Figure | None]) -> Figure:
@@ -103,10 +99,8 @@ def write_comparison(path: Path, folders: tuple[Path, Path], found: Comparison, 
     if path.suffix not in FORMATS:
         raise InputError(f"cannot write '{path.suffix or path.name}'; allowed are {', '.join(FORMATS)}", file=str(path), key="--out")
     if path.suffix == ".png":
-        buffer = io.BytesIO()
         a, b = (read_result_folder(folder) for folder in folders)
-        draw_comparison(a, b, found, view, map_name).save(buffer, format="PNG", compress_level=COMPRESSION)
-        return write_atomic(path, buffer.getvalue())
+        return write_picture(path, draw_comparison(a, b, found, view, map_name))
     if path.suffix == ".json":
         return write_atomic(path, json.dumps(comparison_data(found), indent=2, ensure_ascii=False, allow_nan=False) + "\n")
     rows = []
@@ -118,34 +112,17 @@ def write_comparison(path: Path, folders: tuple[Path, Path], found: Comparison, 
 
 def draw_comparison(a: Result, b: Result, found: Comparison, view: str = "front", map_name: str = "none", height_px: int = HEIGHT_PX) -> Any:
     """A PIL image: A and B from one place at one scale, with a map that has one scale for both, then A in the colors of its distance from B."""
-    results = (a, b)
     maps: list[Any] = [None, None]
     if map_name != "none":
-        for result in results:
+        for result in (a, b):
             if map_name not in result.maps:
                 raise InputError(f"{result.report.get('garment')} has no map '{map_name}'; it has: {', '.join(result.maps) or 'none'}", key="--map")
-        top = max(float(np.percentile(MAPS[map_name].factor * result.maps[map_name], TOP_PERCENTILE)) for result in results)
-        maps = [painted(map_name, result.maps[map_name], round_up(top)) for result in results]
-    room = round(legend.WIDTH * height_px)
-    bodies = [result.mannequin.vertices for result in results if result.mannequin is not None]
-    everyone = np.concatenate([result.state.positions for result in results])
-    camera = frame(view, everyone, np.concatenate(bodies) if bodies else None, height_px, room)
-    maps.append(painted("apart", found.shape.apart_mm))
-    tiles = [draw_picture(result.state.positions, result.cloth, result.mannequin, own, camera) for result, own in zip((a, b, a), maps)]
-    for tile, letter, result in zip(tiles, ("A", "B"), results):
-        _write_title(tile, f"{letter}  {result.report.get('garment')} · {result.report.get('fabric')} · {result.report.get('mannequin')}")
-    _write_title(tiles[2], f"A: distance from B, RMS {found.shape.rms_mm:.1f} mm, at most {found.shape.max_mm:.1f} mm")
-    picture = importlib.import_module("PIL.Image").new("RGB", (sum(tile.width for tile in tiles), height_px))
-    for k, tile in enumerate(tiles):
-        picture.paste(tile, (sum(before.width for before in tiles[:k]), 0))
-    return picture
-
-
-def _write_title(tile: Any, text: str) -> None:
-    from PIL import ImageDraw, ImageFont
-
-    unit = tile.height / 64
-    ImageDraw.Draw(tile).text((1.6 * unit, 1.2 * unit), text, fill=legend.INK, font=ImageFont.load_default(1.4 * unit))
+        maps = painted_alike(map_name, a.maps[map_name], b.maps[map_name])
+    titles = [f"{letter}  {' · '.join(str(result.report.get(key)) for key in COMPARED[:3])}" for letter, result in (("A", a), ("B", b))]
+    titles.append(f"A: distance from B; both ways RMS {found.shape.rms_mm:.1f} mm, at most {found.shape.max_mm:.1f} mm")
+    maps.append(painted("apart", found.shape.from_first_mm))
+    exhibits = [Exhibit(title, result.state.positions, result.cloth, result.mannequin, own) for title, result, own in zip(titles, (a, b, a), maps)]
+    return draw_side_by_side(exhibits, (view,), height_px)
 
 
 def _value(figure: Figure | None) -> float | None:

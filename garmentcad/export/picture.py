@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 import io
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,14 +13,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from garmentcad.arrays import floats, indices
-from garmentcad.cloth.cloth import Cloth
 from garmentcad.errors import GarmentError, InputError
 from garmentcad.export import legend
 from garmentcad.export.camera import Camera, frame
 from garmentcad.export.color_map import PaintedMap, painted
 from garmentcad.export.normals import particle_normals
 from garmentcad.export.raster import blank, draw_lines, draw_triangles
-from garmentcad.export.seam_lines import seam_and_free_edges
+from garmentcad.export.seam_lines import SewnTriangles, seam_and_free_edges
 from garmentcad.export.shading import shade
 from garmentcad.export.sky_light import SkyLight, SurfaceLight
 from garmentcad.io.atomic import write_atomic
@@ -59,7 +58,7 @@ class ViewMissing(GarmentError):
 def render_picture(
     path: str | Path,
     positions: np.ndarray,
-    cloth: Cloth,
+    cloth: SewnTriangles,
     mannequin: Mannequin | None,
     view: str = "front",
     map_name: str = "none",
@@ -82,36 +81,39 @@ def render_picture(
 def render_pictures(
     paths: Mapping[str, Path],
     positions: np.ndarray,
-    cloth: Cloth,
+    cloth: SewnTriangles,
     mannequin: Mannequin | None,
     painted_map: PaintedMap | None = None,
     height_px: int = HEIGHT_PX,
 ) -> list[Path]:
     """As `render_picture`, for several views (view -> file) that share what does not depend on the camera."""
     room = 0 if painted_map is None else round(legend.WIDTH * height_px)
-    cameras = {view: frame(view, positions, None if mannequin is None else mannequin.vertices, height_px, room) for view in paths}
+    cameras = [frame(view, positions, None if mannequin is None else mannequin.vertices, height_px, room) for view in paths]
+    return [write_picture(path, picture) for path, picture in zip(paths.values(), draw_pictures(positions, cloth, mannequin, painted_map, cameras))]
+
+
+def draw_pictures(
+    positions: np.ndarray, cloth: SewnTriangles, mannequin: Mannequin | None, painted_map: PaintedMap | None, cameras: Sequence[Camera]
+) -> list[Any]:
+    """The garment as PIL images, one a camera. Raises ViewMissing without the extra."""
     image = _module("PIL.Image")
     scene = _scene(positions, cloth, mannequin, painted_map)
 
-    def write(view: str) -> Path:
-        buffer = io.BytesIO()
-        _finished(image, scene, cameras[view], painted_map).save(buffer, format="PNG", compress_level=COMPRESSION)
-        return write_atomic(paths[view], buffer.getvalue())
+    def draw(camera: Camera) -> Any:
+        picture = image.fromarray(_draw(scene, camera))
+        if painted_map is not None:
+            legend.draw_legend(picture, painted_map, camera.metres_a_pixel())
+        return picture
 
     with ThreadPoolExecutor() as pool:
-        return list(pool.map(write, paths))
+        return list(pool.map(draw, cameras))
 
 
-def draw_picture(positions: np.ndarray, cloth: Cloth, mannequin: Mannequin | None, painted_map: PaintedMap | None, camera: Camera) -> Any:
-    """The garment as a PIL image from a camera that is given, to be put beside others."""
-    return _finished(_module("PIL.Image"), _scene(positions, cloth, mannequin, painted_map), camera, painted_map)
-
-
-def _finished(image: Any, scene: _Scene, camera: Camera, painted_map: PaintedMap | None) -> Any:
-    picture = image.fromarray(_draw(scene, camera))
-    if painted_map is not None:
-        legend.draw_legend(picture, painted_map, camera.metres_a_pixel())
-    return picture
+def write_picture(path: str | Path, picture: Any) -> Path:
+    """Write a PIL image as a PNG file."""
+    buffer = io.BytesIO()
+    picture.save(buffer, format="PNG", compress_level=COMPRESSION)
+    return write_atomic(path, buffer.getvalue())
 
 
 def body_pixels(mannequin: Mannequin, view: str = "front", height_px: int = HEIGHT_PX) -> np.ndarray:
@@ -153,7 +155,7 @@ class _Scene:
     lines: tuple[tuple[np.ndarray, np.ndarray, tuple[float, float, float], float], ...]  # points, edges, color, width in pixels
 
 
-def _scene(positions: np.ndarray, cloth: Cloth, mannequin: Mannequin | None, painted_map: PaintedMap | None) -> _Scene:
+def _scene(positions: np.ndarray, cloth: SewnTriangles, mannequin: Mannequin | None, painted_map: PaintedMap | None) -> _Scene:
     triangles = cloth.particle_triangles
     normals = particle_normals(positions, triangles)
     right, wrong = (np.array(RIGHT_SIDE), np.array(WRONG_SIDE)) if painted_map is None else (painted_map.colors(),) * 2

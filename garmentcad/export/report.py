@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +14,8 @@ from rich.table import Table
 
 from garmentcad.analysis.carried import SIDES
 from garmentcad.analysis.ease import EASE_LINES
-from garmentcad.analysis.measures import Measures
+from garmentcad.analysis.hem_shape import HemShape
+from garmentcad.analysis.measures import Measures, unmeasured
 from garmentcad.analysis.run_record import RunRecord
 from garmentcad.io.atomic import write_atomic
 
@@ -25,6 +27,7 @@ NESTED = {
     "constraints": ("max_gap_mm", "max_speed_m_s", "conflicting"),
     "energy_j": ("stretch", "shear", "bend", "gravity", "friction_work", "internal_friction_work", "damping_work"),
 }
+HEM_KEYS = tuple(field.name for field in fields(HemShape))
 SIGNIFICANT_DIGITS = 9
 STATUS_STYLE = {"converged": "green", "max_time": "yellow", "diverged": "red", "intersecting": "red"}
 
@@ -80,6 +83,7 @@ def build_report(record: RunRecord, measures: Measures) -> dict[str, Any]:
         "hem_height_mm": None if hem is None else hem.mean_mm,
         "hem_range_mm": {"min": None if hem is None else hem.low_mm, "max": None if hem is None else hem.high_mm},
         "hem_uneven_mm": None if hem is None else hem.uneven_mm,
+        "hem": {name: None if measures.hem_shape is None else getattr(measures.hem_shape, name) for name in HEM_KEYS},
         "waist_drop_mm": None if measures.carried is None else measures.carried.waist_drop_mm,
         "armhole_to_shoulder_mm": dict.fromkeys(SIDES) if measures.carried is None else measures.carried.armhole_to_shoulder_mm,
         "pressure_kpa": measures.pressure_kpa,
@@ -93,6 +97,12 @@ def build_report(record: RunRecord, measures: Measures) -> dict[str, Any]:
         "warnings": list(record.warnings),
     }
     return {key: _plain(value) for key, value in report.items()}
+
+
+def blank_report() -> dict[str, Any]:
+    """The report of a run of which nothing is known: every key that each report has, values None."""
+    known: dict[str, Any] = {field.name: None for field in fields(RunRecord)} | {name: dict.fromkeys(keys) for name, keys in NESTED.items()}
+    return build_report(RunRecord(**known | {"versions": {}, "warnings": ()}), unmeasured(0, 0, 0, 0.0))
 
 
 def report_json(report: Mapping[str, Any]) -> str:
@@ -124,6 +134,8 @@ def report_table(report: Mapping[str, Any]) -> Table:
     if report["hem_height_mm"] is not None:
         span = report["hem_range_mm"]
         table.add_row("hem height", f"{report['hem_height_mm']:.0f} mm ({span['min']:.0f} to {span['max']:.0f})")
+    if report["hem"]["nodes"] is not None:
+        table.add_row("hem from above", f"{report['hem']['nodes']} nodes, drape coefficient {report['hem']['drape_coefficient_percent']:.1f} %")
     if report["waist_drop_mm"] is not None:
         table.add_row("waist", f"{report['waist_drop_mm']:+.1f} mm below where it was placed")
     reach = [value for value in report["armhole_to_shoulder_mm"].values() if value is not None]

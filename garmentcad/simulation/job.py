@@ -41,8 +41,9 @@ class Job:
 
     @property
     def spec_sha256(self) -> str:
-        """Hash of the spec as plain data (comments and layout of the file do not count)."""
-        return hashlib.sha256(json.dumps(self.spec.model_dump(mode="json"), sort_keys=True).encode()).hexdigest()
+        """Hash of the spec as plain data (comments and layout of the file do not count, nor do its tests: they change no drape)."""
+        garment = self.spec.model_copy(update={"tests": {}})
+        return hashlib.sha256(json.dumps(garment.model_dump(mode="json"), sort_keys=True).encode()).hexdigest()
 
     @property
     def identity(self) -> dict[str, str]:
