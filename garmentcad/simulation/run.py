@@ -14,7 +14,6 @@ from types import FrameType
 import numpy as np
 from shapely.geometry import Polygon
 
-from garmentcad.analysis.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.lattice import build_cloth
 from garmentcad.cloth.state import State
@@ -25,6 +24,7 @@ from garmentcad.fabric.material import MaterialTable, softened
 from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
+from garmentcad.geometry.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.pattern import Panel
 from garmentcad.placement.place import place_vertices
@@ -55,12 +55,13 @@ class Interrupted(GarmentError):
 
 @dataclass
 class Outcome:
-    """A finished run. status: converged, max_time, diverged or intersecting (contact is judged afterwards, too).
+    """A finished run. status: converged, max_time, diverged or intersecting (contact is judged afterwards, too). flat: the cloth before welding.
 
     wall_s: setup, drape; seconds: by kind of work.
     """
 
     job: Job
+    flat: Cloth
     cloth: Cloth
     materials: MaterialTable
     dynamics: Dynamics
@@ -153,9 +154,9 @@ class _Run:
                 status = course.run(self.state, self.keep)
             except (DivergedError, IntersectingError) as error:
                 self.warnings.append(f"on the lattice of {grids[level]:g} mm: {error}")
-                return self._outcome(cloth, dynamics, error.status)
+                return self._outcome(flat, cloth, dynamics, error.status)
             if last:
-                return self._outcome(cloth, dynamics, status)
+                return self._outcome(flat, cloth, dynamics, status)
             self._add_up(dynamics)
             before, level = (cloth, dynamics.forces), level + 1
 
@@ -179,14 +180,14 @@ class _Run:
             welding = close_seams(dynamics, self.state, self.keep)
         except (DivergedError, IntersectingError) as error:
             self.warnings.append(str(error))
-            return self._outcome(flat, dynamics, error.status)
+            return self._outcome(flat, flat, dynamics, error.status)
         self._add_up(dynamics)
         self.state = weld_state(flat, welded, particle_map, self.state)
         self.state.phase = "fall"
         self.state.run |= {"phase_from_s": self.state.time_s} | welding.as_run()
         return None
 
-    def _outcome(self, cloth: Cloth, dynamics: Dynamics, status: str) -> Outcome:
+    def _outcome(self, flat: Cloth, cloth: Cloth, dynamics: Dynamics, status: str) -> Outcome:
         assert self.state is not None
         self._add_up(dynamics)
         welding = Welding.of_run(self.state.run)
@@ -197,7 +198,7 @@ class _Run:
         if factor < 1.0:
             self.warnings.append(f"motion ran away at the time step that the stiffness allows; the run went back and on with {factor:g} of it")
         wall = {"setup": self._setup, "drape": time.perf_counter() - self.began - self._setup}
-        return Outcome(self.job, cloth, self.materials, dynamics, self.state, status, welding, wall, self.seconds, self.warnings)
+        return Outcome(self.job, flat, cloth, self.materials, dynamics, self.state, status, welding, wall, self.seconds, self.warnings)
 
 
 def _refined_state(before: tuple[Cloth, ForceAssembly], state: State, after: tuple[Cloth, ForceAssembly], level: int, mannequin: Mannequin) -> State:
