@@ -7,7 +7,7 @@ import sys
 import typer
 
 from garmentcad import __version__
-from garmentcad.cli import bench, check, drape, fabric, mannequin, output
+from garmentcad.cli import bench, check, drape, fabric, importing, mannequin, output
 from garmentcad.errors import GarmentError, InputError
 
 EXIT_DONE, EXIT_FAULT, EXIT_REFUSED, EXIT_NOT_AT_REST, EXIT_ASSERTION = 0, 1, 2, 3, 4
@@ -19,6 +19,7 @@ app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_
 app.command()(drape.drape)
 app.command()(check.check)
 app.command()(bench.bench)
+app.command("import")(importing.import_file)
 app.command()(output.render)
 app.command()(output.export)
 app.add_typer(fabric.app, name="fabric")

@@ -11,6 +11,7 @@ import numpy as np
 
 from garmentcad.arrays import frozen
 from garmentcad.errors import FileError, MannequinError, did_you_mean
+from garmentcad.io.garmentcode_body import is_garmentcode_body, mannequin_of_body
 from garmentcad.io.mesh_file import MESH_ENDINGS, read_mesh
 from garmentcad.io.shipped import shipped_file, shipped_names
 from garmentcad.io.yaml_file import read_yaml
@@ -30,7 +31,7 @@ def mannequin_names() -> list[str]:
 
 @functools.lru_cache(maxsize=4)
 def read_mannequin(name_or_path: str | Path) -> Mannequin:
-    """A mannequin from a shipped name (woman-88), a YAML file of measurements, or an OBJ, PLY, STL or GLB scan (see `read_mesh`).
+    """A mannequin from a shipped name (woman-88), a YAML file of measurements (this program's or GarmentCode's), or an OBJ, PLY, STL or GLB scan.
 
     FileError, MannequinError or MeshError (with file and key) when it is refused.
     """
@@ -45,8 +46,9 @@ def read_mannequin(name_or_path: str | Path) -> Mannequin:
     if suffix not in (".yaml", ".yml", "") or (suffix == "" and "/" in text):
         raise FileError(f"the ending {suffix!r} is not that of a mannequin; allowed: .yaml, {', '.join(MESH_ENDINGS)}", file=text)
     path = Path(text) if suffix else shipped_file("mannequins", text)
-    spec = _checked(read_yaml(path), text)
+    data = read_yaml(path)
     try:
+        spec = _checked(mannequin_of_body(data) if is_garmentcode_body(data) else data, text)
         return make_mannequin(read_human(spec["kind"]), spec["measurements"], name=path.stem, arm_angle_deg=spec.get("arm_angle", ARM_ANGLE_DEG))
     except MannequinError as fault:
         raise MannequinError(fault.message, file=text, key=fault.key) from None

@@ -14,6 +14,7 @@ from types import FrameType
 import numpy as np
 from shapely.geometry import Polygon
 
+from garmentcad.analysis.clearance import clearing_moves, move_panels
 from garmentcad.analysis.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.lattice import build_cloth
@@ -170,7 +171,7 @@ class _Run:
         """Close and weld the seams; an outcome only where that failed."""
         dynamics, _ = _dynamics(self.job, flat, self.materials, sewing=True)
         if self.state is None:
-            self.state = _placed_state(self.job, flat)
+            self.state = _placed_state(self.job, flat, self.warnings)
             if flat.spacing == MM_TO_M * self.job.grid_mm:
                 self.state.run[UNREFINED] = 1.0
             dynamics.start(self.state)
@@ -228,8 +229,11 @@ def _dynamics(job: Job, cloth: Cloth, materials: MaterialTable, sewing: bool) ->
     return Dynamics(cloth, forces, strain_limit(cloth, materials), contact), forces_at
 
 
-def _placed_state(job: Job, cloth: Cloth) -> State:
+def _placed_state(job: Job, cloth: Cloth, warnings: list[str]) -> State:
     positions = place_vertices(job.pattern, cloth, job.mannequin)
+    moves = clearing_moves(job.pattern, cloth, positions, job.mannequin)
+    warnings += [str(move) for move in moves]
+    positions = move_panels(cloth, positions, moves)
     refuse_tangled(cloth, positions, job.mannequin)
     positions = positions + JITTER_M * np.random.default_rng(job.seed).standard_normal(positions.shape)
     return State(positions, np.zeros_like(positions), phase="close")

@@ -1,0 +1,84 @@
+"""Rigid moves that free flat panels at the start: away from panels that they touch or cross, and out of the body along their right side."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from garmentcad.analysis.intersection import crossing_triangle_pairs
+from garmentcad.analysis.penetration import signed_distances
+from garmentcad.cloth.cloth import Cloth
+from garmentcad.mannequin.mannequin import Mannequin
+from garmentcad.pattern.pattern import Pattern, Transform
+from garmentcad.units import M_TO_MM
+
+STEP_M = 0.004  # of a panel in one round, and what it goes farther than it must
+_ROUNDS = 60
+
+
+@dataclass(frozen=True)
+class Move:
+    """panel: its name; by_m (3,): how far it is moved; clear_of: what it touched."""
+
+    panel: str
+    by_m: np.ndarray
+    clear_of: tuple[str, ...]
+
+    def __str__(self) -> str:
+        by_mm = M_TO_MM * self.by_m
+        x, y, z = (f"{value:.0f}" for value in np.round(by_mm) + 0.0)
+        return f"panel {self.panel} starts {np.linalg.norm(by_mm):.0f} mm ({x}, {y}, {z}) from its place, clear of {', '.join(self.clear_of)}"
+
+
+def clearing_moves(pattern: Pattern, cloth: Cloth, positions: np.ndarray, mannequin: Mannequin) -> list[Move]:
+    """Moves after which the panels that lie flat (placed by a transform) touch neither each other nor the body. Empty where they do not anyway.
+
+    positions (V,3) m: vertices as placed. Two panels part along the line between their middles; a panel leaves the body on its right side, which is the
+    outer one. What a mapping rule wrapped stays. Where many rounds do not help, the panels are left as they are: whoever starts looks again.
+    """
+    count = len(cloth.panel_names)
+    flat = np.array([isinstance(panel.placement, Transform) for panel in pattern.panels.values()])
+    owner = cloth.vertex_panel[cloth.triangles[:, 0]]
+    normals = np.array([_right_side(positions, cloth.triangles[owner == panel]) for panel in range(count)])
+    middles = np.array([positions[cloth.vertex_panel == panel].mean(axis=0) for panel in range(count)])
+    moves, reserve = np.zeros((count, 3)), np.zeros((count, 3))
+    reasons: list[set[str]] = [set() for _ in range(count)]
+    for _ in range(_ROUNDS if flat.any() else 0):
+        moved = positions + (moves + reserve)[cloth.vertex_panel]
+        before = moves.copy()
+        depth = -signed_distances(moved, mannequin.vertices, mannequin.faces)
+        for panel in np.flatnonzero(flat):
+            deepest = float(depth[cloth.vertex_panel == panel].max())
+            if deepest > 0.0:
+                moves[panel] += (deepest + STEP_M) * normals[panel]
+                reasons[panel].add(f"mannequin {mannequin.name}")
+        pairs = np.unique(np.sort(owner[crossing_triangle_pairs(moved, cloth.triangles)], axis=1), axis=0)
+        for a, b in pairs[pairs[:, 0] != pairs[:, 1]].tolist():
+            apart = middles[a] + moves[a] - middles[b] - moves[b]
+            length = float(np.linalg.norm(apart))
+            direction = apart / length if length > STEP_M else normals[a]
+            for panel, other, way in ((a, b, direction), (b, a, -direction)):
+                if flat[panel]:
+                    moves[panel] += STEP_M * way
+                    reserve[panel] = STEP_M * way  # a hair's breadth would do for the judge of crossings, not for contact
+                    reasons[panel].add(f"panel {cloth.panel_names[other]}")
+        if np.array_equal(before, moves):
+            return [Move(cloth.panel_names[k], moves[k] + reserve[k], tuple(sorted(reasons[k]))) for k in range(count) if reasons[k]]
+    return []
+
+
+def move_panels(cloth: Cloth, positions: np.ndarray, moves: list[Move]) -> np.ndarray:
+    """Positions (V,3) with the panels moved."""
+    by = np.zeros((len(cloth.panel_names), 3))
+    for move in moves:
+        by[cloth.panel_names.index(move.panel)] = move.by_m
+    return positions + by[cloth.vertex_panel]
+
+
+def _right_side(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """Unit mean normal (3,), zero where there is none."""
+    a, b, c = (positions[triangles[:, k]] for k in range(3))
+    total = np.cross(b - a, c - a).sum(axis=0)
+    length = float(np.linalg.norm(total))
+    return total / length if length > 0.0 else total
