@@ -27,7 +27,7 @@ from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
 from garmentcad.mannequin.mannequin import Mannequin
-from garmentcad.pattern.pattern import Panel
+from garmentcad.pattern.pattern import Panel, Transform
 from garmentcad.placement.place import place_vertices
 from garmentcad.simulation.checkpoint import load_state, save_state
 from garmentcad.simulation.course import SOFTNESS, Course, Progress
@@ -47,6 +47,9 @@ COARSEST_MM = 25.0
 # Coarse spacings along the side of a square as large as the largest panel. An estimate: a disc of 240 mm over a pedestal has 7 folds at 10 mm, in both modes,
 # and 4 where it falls at 20 mm (docs/studies/agreement.md).
 FEWEST_CELLS = 20.0
+# Panels that start flat come a long way to their seams, and small folds that form on it are caught between seams that close around them. While they are sewn
+# they bend like card; the bending that counts is there from the weld on. A T-shirt of GarmentCode closes to 0.14 mm so, and not within 10 mm without.
+FLAT_BENDING = 30.0
 UNREFINED = "unrefined"  # in State.run: the garment was sewn on the lattice of the job
 
 
@@ -216,6 +219,8 @@ def _refined_state(coarse: Cloth, state: State, fine: Cloth, level: int, mannequ
 def _dynamics(job: Job, cloth: Cloth, materials: MaterialTable, sewing: bool) -> tuple[Dynamics, Callable[[float], ForceAssembly]]:
     """The stepper, and its forces at a softness. While sewing there is neither weight nor friction: seams slide to where they close."""
     weight = [] if sewing else [ForceGravity(cloth.masses)]
+    if sewing and any(isinstance(panel.placement, Transform) for panel in job.pattern.panels.values()):
+        materials = materials._replace(bending=FLAT_BENDING * materials.bending, twist=FLAT_BENDING * materials.twist)
 
     def forces_at(softness: float) -> ForceAssembly:
         softer = materials._replace(tension_force=materials.tension_force / softness, tension_slope=materials.tension_slope / softness)
