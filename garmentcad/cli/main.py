@@ -7,7 +7,7 @@ import sys
 import typer
 
 from garmentcad import __version__
-from garmentcad.cli import bench, check, compare, drape, fabric, fit, mannequin, output, test
+from garmentcad.cli import bench, check, compare, drape, fabric, fit, importing, mannequin, output, test
 from garmentcad.errors import GarmentError, InputError
 
 EXIT_DONE, EXIT_FAULT, EXIT_REFUSED, EXIT_NOT_AT_REST, EXIT_ASSERTION = 0, 1, 2, 3, 4
@@ -20,6 +20,7 @@ app.command()(drape.drape)
 app.command()(check.check)
 app.command("test")(test.garment_test)
 app.command()(bench.bench)
+app.command("import")(importing.import_file)
 app.command()(output.render)
 app.command()(output.export)
 app.command()(fit.fit)

@@ -21,7 +21,6 @@ from garmentcad.fabric.material import MaterialTable, bending_along
 from garmentcad.forces.force import OneLaw
 from garmentcad.forces.rows import PART
 
-
 SHORTEST = 1e-2  # of the mean distance: a shorter middle side counts as so long
 
 

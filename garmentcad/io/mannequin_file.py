@@ -12,6 +12,7 @@ import numpy as np
 
 from garmentcad.arrays import frozen
 from garmentcad.errors import FileError, MannequinError, did_you_mean
+from garmentcad.io.garmentcode_body import is_garmentcode_body, mannequin_of_body
 from garmentcad.io.mesh_file import MESH_ENDINGS, read_mesh
 from garmentcad.io.shipped import shipped_file, shipped_names
 from garmentcad.io.yaml_file import read_yaml
@@ -27,12 +28,17 @@ _KEYS = {"schema", "units", "kind", "description", "source", "measurements", "ar
 
 def mannequin_names() -> list[str]:
     """Names of the shipped mannequins, by kind and size."""
-    return sorted(shipped_names("mannequins"), key=lambda name: (name.partition("-")[0], int(name.partition("-")[2])))
+
+    def place(name: str) -> tuple[str, int, str]:
+        kind, _, size = name.partition("-")
+        return kind, int(size) if size.isdigit() else 0, size
+
+    return sorted(shipped_names("mannequins"), key=place)
 
 
 @functools.lru_cache(maxsize=8)
 def read_mannequin(name_or_path: str | Path) -> Mannequin:
-    """A mannequin from a shipped name (woman-88), a YAML file of measurements, or an OBJ, PLY, STL or GLB scan (see `read_mesh`).
+    """A mannequin from a shipped name (woman-88), a YAML file of measurements (this program's or GarmentCode's), or an OBJ, PLY, STL or GLB scan.
 
     FileError, MannequinError or MeshError (with file and key) when it is refused.
     """
@@ -47,9 +53,9 @@ def read_mannequin(name_or_path: str | Path) -> Mannequin:
     if suffix not in (".yaml", ".yml", "") or (suffix == "" and "/" in text):
         raise FileError(f"the ending {suffix!r} is not that of a mannequin; allowed: .yaml, {', '.join(MESH_ENDINGS)}", file=text)
     path = Path(text) if suffix else shipped_file("mannequins", text)
-    spec = checked_spec(read_yaml(path), text)
+    data = read_yaml(path)
     try:
-        return mannequin_of(spec, path.stem)
+        return mannequin_of(checked_spec(mannequin_of_body(data) if is_garmentcode_body(data) else data, text), path.stem)
     except MannequinError as fault:
         raise MannequinError(fault.message, file=text, key=fault.key) from None
 

@@ -43,7 +43,9 @@ def calibrate(sheet: KesSheet, grid_mm: float = GRID_MM, say: Callable[[str], No
             return trial
         values |= {key: values[key] * ratio for key, ratio in ratios.items()}
         waiting = {tester.kind for tester in TESTERS if any(key.partition(".")[0] in SOLVED[tester.kind] for key in off)}
-    raise FabricError(f"the testers' prints do not come within {100 * AGREED:g} % of the sheet in {MOST_ROUNDS} rounds; left: {', '.join(sorted(off))}", key="law")
+    raise FabricError(
+        f"the testers' prints do not come within {100 * AGREED:g} % of the sheet in {MOST_ROUNDS} rounds; left: {', '.join(sorted(off))}", key="law"
+    )
 
 
 def with_law(sheet: KesSheet, values: dict[str, float]) -> KesSheet:

@@ -14,6 +14,7 @@ from types import FrameType
 import numpy as np
 from shapely.geometry import Polygon
 
+from garmentcad.analysis.clearance import clearing_moves, move_panels
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.lattice import build_cloth
 from garmentcad.cloth.state import State
@@ -26,7 +27,7 @@ from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
 from garmentcad.geometry.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
 from garmentcad.mannequin.mannequin import Mannequin
-from garmentcad.pattern.pattern import Panel
+from garmentcad.pattern.pattern import Panel, Transform
 from garmentcad.placement.place import place_vertices
 from garmentcad.simulation.checkpoint import load_state, save_state
 from garmentcad.simulation.course import SOFTNESS, Course, Progress
@@ -169,15 +170,15 @@ class _Run:
 
     def _sew(self, flat: Cloth, welded: Cloth, particle_map: np.ndarray) -> Outcome | None:
         """Close and weld the seams; an outcome only where that failed."""
-        dynamics, _ = _dynamics(self.job, flat, self.materials, sewing=True)
+        dynamics, forces_at = _dynamics(self.job, flat, self.materials, sewing=True)
         if self.state is None:
-            self.state = _placed_state(self.job, flat)
+            self.state = _placed_state(self.job, flat, self.warnings)
             if flat.spacing == MM_TO_M * self.job.grid_mm:
                 self.state.run[UNREFINED] = 1.0
             dynamics.start(self.state)
         self._begin(dynamics)
         try:
-            welding = close_seams(dynamics, self.state, self.keep)
+            welding = close_seams(dynamics, self.state, self.keep, self._carded(forces_at))
         except (DivergedError, IntersectingError) as error:
             self.warnings.append(str(error))
             return self._outcome(flat, flat, dynamics, error.status)
@@ -186,6 +187,12 @@ class _Run:
         self.state.phase = "fall"
         self.state.run |= {"phase_from_s": self.state.time_s} | welding.as_run()
         return None
+
+    def _carded(self, forces_at: Callable[..., ForceAssembly]) -> Callable[[float], ForceAssembly] | None:
+        """The forces while seams close by the factor on bending; None where no panel starts flat."""
+        softness = SOFTNESS if self.job.mode == "drape" else 1.0
+        flat = any(isinstance(panel.placement, Transform) for panel in self.job.pattern.panels.values())
+        return (lambda card: forces_at(softness, card)) if flat else None
 
     def _outcome(self, flat: Cloth, cloth: Cloth, dynamics: Dynamics, status: str) -> Outcome:
         assert self.state is not None
@@ -217,12 +224,14 @@ def _refined_state(before: tuple[Cloth, ForceAssembly], state: State, after: tup
     return State(positions, velocities, state.time_s, state.step, phase="fall", friction=friction, run=run, work_j=dict(state.work_j))
 
 
-def _dynamics(job: Job, cloth: Cloth, materials: MaterialTable, sewing: bool) -> tuple[Dynamics, Callable[[float], ForceAssembly]]:
-    """The stepper, and its forces at a softness. While sewing there is neither weight nor friction: seams slide to where they close."""
+def _dynamics(job: Job, cloth: Cloth, materials: MaterialTable, sewing: bool) -> tuple[Dynamics, Callable[..., ForceAssembly]]:
+    """The stepper, and its forces at a softness (and a factor on bending). While sewing there is neither weight nor friction: seams slide until they close."""
     weight = [] if sewing else [ForceGravity(cloth.masses)]
 
-    def forces_at(softness: float) -> ForceAssembly:
-        return ForceAssembly(internal_forces(cloth, softened(materials, softness)), cloth.particle_count, weight)
+    def forces_at(softness: float, card: float = 1.0) -> ForceAssembly:
+        softer = softened(materials, softness)
+        softer = softer._replace(bending=card * softer.bending, twist=card * softer.twist)
+        return ForceAssembly(internal_forces(cloth, softer), cloth.particle_count, weight)
 
     touch = materials
     if sewing:
@@ -232,8 +241,11 @@ def _dynamics(job: Job, cloth: Cloth, materials: MaterialTable, sewing: bool) ->
     return Dynamics(cloth, forces, strain_limit(cloth, materials), contact), forces_at
 
 
-def _placed_state(job: Job, cloth: Cloth) -> State:
+def _placed_state(job: Job, cloth: Cloth, warnings: list[str]) -> State:
     positions = place_vertices(job.pattern, cloth, job.mannequin)
+    moves = clearing_moves(job.pattern, cloth, positions, job.mannequin)
+    warnings += [str(move) for move in moves]
+    positions = move_panels(cloth, positions, moves)
     refuse_tangled(cloth, positions, job.mannequin)
     positions = positions + JITTER_M * np.random.default_rng(job.seed).standard_normal(positions.shape)
     return State(positions, np.zeros_like(positions), phase="close")
