@@ -223,7 +223,7 @@ def test_same_bits_after_a_checkpoint_in_the_middle_of_the_motion(tmp_path: Path
     resumed, again = load_state(tmp_path / "mid.npz"), into_hanging_cloth()[0]
     dynamics.advance(state, 960)
     again.advance(resumed, 960)
-    assert state.contact["planes_held"].sum() > 20
+    assert state.contact["planes_held"].sum() > 10
     assert resumed.sha256() == state.sha256()
     assert resumed.work_j == state.work_j
 
