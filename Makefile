@@ -24,7 +24,9 @@ lint: $(VENV)/.installed
 	$(BIN)/mypy garmentcad
 
 study: $(VENV)/.installed
+	$(BIN)/python -m tools.body_study
 	$(BIN)/python -m tools.study
+	$(BIN)/python -m tools.garment_test_study
 
 bench: $(VENV)/.installed
 	$(BIN)/python -m bench.compare --blender-python $(BLENDER_PYTHON) $(BENCH_OPTIONS)

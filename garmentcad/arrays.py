@@ -138,6 +138,11 @@ def inlined_kernel(function: Any) -> Any:
     return njit(forceinline=True, **_OPTIONS)(function)
 
 
+def inlined(function: Any) -> Any:
+    """A kernel that becomes part of those that call it: one compilation less. For what only deals out calls."""
+    return njit(inline="always", **_OPTIONS)(function)
+
+
 def parallel_kernel(function: Any) -> Any:
     """Compile a kernel with `prange`. Gather only: each iteration writes its own outputs; no reductions."""
     return njit(parallel=True, **_OPTIONS)(function)

@@ -18,7 +18,7 @@ FLOORS = {
     "solve": 6, "analysis": 6,
     "simulation": 7, "check": 7,
     "rigs": 8, "export": 8, "bench": 8,
-    "batch": 9, "lab": 10, "cli": 11, "__main__": 12,
+    "batch": 9, "regression": 9, "lab": 10, "cli": 11, "__main__": 12,
 }  # fmt: skip
 FILES = sorted(path for path in ROOT.rglob("*.py") if path != ROOT / "__init__.py")
 

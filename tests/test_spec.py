@@ -107,7 +107,9 @@ FAULTS: list[tuple[Callable[[dict[str, Any]], Any], str, str]] = [
     (lambda d: d["seams"][0].update(b=3), "seams.0.b", "valid list, came 3"),
     (lambda d: d["seams"][0].update(b=[["front.side.left", "front.side.hem_left"], ["x", "y.y.y"]]), "seams.0.b.1.0", "came 'x'"),
     (lambda d: d.update(closures=[{"zip": 1}]), "closures", "not supported yet"),
-    (lambda d: d.update(tests={"x": 1}), "tests", "not supported yet"),
+    (lambda d: d.update(tests={"x": 1}), "tests.x", "a mapping is wanted, came 1"),
+    (lambda d: d.update(tests={"x": {"spec": "y"}}), "tests.x.spec", "unknown key"),
+    (lambda d: d.update(tests={"x y": {}}), "tests.x y", "a name starts with a letter"),
     (lambda d: d["parameters"].update({"sqrt": {"value": 1}}), "parameters.sqrt", "not a function"),
     (lambda d: d["values"].update({"a-b": 1}), "values.a-b", "used in expressions"),
 ]

@@ -8,30 +8,24 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from garmentcad import __version__
 from garmentcad.errors import TangledError
 from garmentcad.export.report import build_report
 from garmentcad.io.atomic import write_atomic
 from garmentcad.io.shipped import shipped_names
-from garmentcad.mannequin.mannequin import Mannequin
-from garmentcad.pattern.pattern import Transform, Wrap
-from garmentcad.simulation.job import Job, make_job
+from garmentcad.simulation.job import make_job
+from garmentcad.simulation.lay import DISPLACED_MM, TURNED_DEG, displaced
 from garmentcad.simulation.record import record
 from garmentcad.simulation.run import run
 from garmentcad.simulation.study import StudyCase, run_study, study_table
-from garmentcad.units import M_TO_MM
 from tools.judges import crosses, least_distance_mm
 
 FOLDER = Path(__file__).resolve().parent.parent / "docs" / "studies"
 STARTS = 10
 FABRIC, GRID_MM = "wool-suiting", 20.0
-DISPLACED_MM, TURNED_DEG = 5.0, 2.0
 KEPT = ("status", "particles", "steps", "simulated_time_s", "wall_time_s", "rest", "seam_gap_mm", "mannequin_penetration_mm", "self_intersections",
         "mannequin_intersections", "ease_mm", "hem_height_mm", "waist_drop_mm", "armhole_to_shoulder_mm", "state_sha256")  # fmt: skip
 COLUMNS = {
@@ -39,30 +33,6 @@ COLUMNS = {
     "crosses (ipctk)": "crosses", "least distance to the body mm (libigl)": "least_distance_mm:.2f", "seam gap mm": "seam_gap_mm.max:.2f",
     "hem mm": "hem_height_mm:.1f",
 }  # fmt: skip
-
-
-def displaced(job: Job, seed: int) -> Job:
-    """The job with every panel moved rigidly on its way of laying: on its cylinder along, around and off it by a vector of at most DISPLACED_MM, and turned
-    by at most TURNED_DEG about its anchor; a flat panel alike in space."""
-    rng = np.random.default_rng(seed)
-    panels = {name: replace(panel, placement=_moved(panel.placement, job.mannequin, rng)) for name, panel in job.pattern.panels.items()}
-    return replace(job, pattern=replace(job.pattern, panels=panels))
-
-
-def _moved(rule: Wrap | Transform, body: Mannequin, rng: np.random.Generator) -> Wrap | Transform:
-    direction = rng.standard_normal(3)
-    way = DISPLACED_MM * rng.uniform() ** (1 / 3) * direction / np.linalg.norm(direction)
-    turn = rng.uniform(-TURNED_DEG, TURNED_DEG)
-    if isinstance(rule, Transform):
-        x, y, z = np.asarray(rule.translation_mm) + way
-        about_x, about_y, about_z = rule.rotation_deg
-        return replace(rule, translation_mm=(float(x), float(y), float(z)), rotation_deg=(about_x, about_y, about_z + turn))
-    cylinder = body.cylinders[rule.part]
-    radius = (0.5 * M_TO_MM * (cylinder.radius_ref + cylinder.radius_side) + rule.offset_mm) * rule.scale
-    return replace(
-        rule, angle_deg=rule.angle_deg + float(np.degrees(way[0] / radius)), height_mm=rule.height_mm + way[1], offset_mm=rule.offset_mm + way[2],
-        turn_deg=rule.turn_deg + turn,
-    )  # fmt: skip
 
 
 def run_case(case: StudyCase) -> Mapping[str, Any]:

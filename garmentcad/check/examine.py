@@ -6,16 +6,17 @@ from pathlib import Path
 
 import numpy as np
 
+from garmentcad.analysis.clearance import clearing_moves, move_panels
 from garmentcad.check.doctor import check_pattern, refusal, worst_first
 from garmentcad.check.finding import Finding
-from garmentcad.check.placement import check_placement, check_twists
+from garmentcad.check.placement import check_moves, check_placement, check_twists
 from garmentcad.cloth.lattice import build_cloth
 from garmentcad.errors import InputError
 from garmentcad.fabric.material import material_row, material_table
 from garmentcad.io.fabric_file import load_fabric
 from garmentcad.io.mannequin_file import read_mannequin
-from garmentcad.io.shipped import resolve_reference, shipped_file
-from garmentcad.io.spec_file import read_spec
+from garmentcad.io.shipped import resolve_reference
+from garmentcad.io.spec_file import read_spec, spec_folder, spec_path
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.draft import draft_errors
 from garmentcad.pattern.pattern import Pattern
@@ -24,16 +25,15 @@ from garmentcad.placement.place import place_vertices
 
 
 def examine(spec: str | Path | GarmentSpec, mannequin: str | None = None, grid_mm: float = 10.0) -> list[Finding]:
-    """All findings on a garment, errors first. spec: a shipped name, a YAML file or a model; mannequin: in place of the spec's.
+    """All findings on a garment, errors first. spec: a shipped name, a file or a model; mannequin: in place of the spec's.
 
     Input that cannot be read at all is a finding too, not an exception. Panels are placed only when they have no errors of their own.
     """
-    folder = Path()
     try:
         if not isinstance(spec, GarmentSpec):
-            path = Path(spec) if isinstance(spec, Path) or spec.endswith((".yaml", ".yml")) else shipped_file("patterns", spec)
-            folder, spec = path.parent, read_spec(path)
-        body = read_mannequin(mannequin if mannequin is not None else spec.mannequin)
+            spec = read_spec(spec_path(spec))
+        folder = spec_folder(spec)
+        body = read_mannequin(mannequin if mannequin is not None else resolve_reference(spec.mannequin, "mannequins", folder))
     except InputError as error:
         return [refusal(error)]
     pattern, errors = draft_errors(spec, body.measurements_mm)
@@ -71,4 +71,6 @@ def _check_placed(spec: GarmentSpec, pattern: Pattern, body: Mannequin, folder: 
         positions = place_vertices(pattern, cloth, body)
     except InputError as error:
         return [refusal(type(error)(error.message, file=error.file or spec.file, key=error.key))]
-    return [*check_twists(pattern, cloth, positions, spec.file), *check_placement(cloth, positions, body, spec.file)]
+    moves = clearing_moves(pattern, cloth, positions, body)
+    positions = move_panels(cloth, positions, moves)
+    return [*check_moves(moves, spec.file), *check_twists(pattern, cloth, positions, spec.file), *check_placement(cloth, positions, body, spec.file)]

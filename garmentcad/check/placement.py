@@ -7,16 +7,26 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from garmentcad.analysis.intersection import crossing_triangle_pairs
+from garmentcad.analysis.clearance import Move
 from garmentcad.analysis.penetration import signed_distances
 from garmentcad.check.finding import Finding
 from garmentcad.cloth.cloth import Cloth
+from garmentcad.geometry.intersection import crossing_triangle_pairs
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.pattern import EdgeUse, Pattern
 from garmentcad.pattern.runs import side_length
 from garmentcad.units import M_TO_MM, MM_TO_M
 
 _SHALLOW_M = 0.010  # contact pushes shallower points out gently while the seams close
+
+
+def check_moves(moves: list[Move], file: str | None = None) -> Iterator[Finding]:
+    """Panels that a run moves before it starts, because they touch something as placed."""
+    for move in moves:
+        yield Finding(
+            "note", "panel-moved", file, f"panels.{move.panel}.placement", str(move),
+            "Nothing is wrong; move its transform, if it shall start elsewhere.",
+        )  # fmt: skip
 
 
 def check_placement(cloth: Cloth, positions: np.ndarray, mannequin: Mannequin, file: str | None = None) -> Iterator[Finding]:

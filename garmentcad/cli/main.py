@@ -7,7 +7,7 @@ import sys
 import typer
 
 from garmentcad import __version__
-from garmentcad.cli import bench, check, drape, fabric, mannequin, output
+from garmentcad.cli import bench, check, compare, drape, fabric, fit, importing, mannequin, output, test
 from garmentcad.errors import GarmentError, InputError
 
 EXIT_DONE, EXIT_FAULT, EXIT_REFUSED, EXIT_NOT_AT_REST, EXIT_ASSERTION = 0, 1, 2, 3, 4
@@ -18,9 +18,13 @@ ABOUT = "Garments from sewn patterns and measured fabrics, draped on mannequins.
 app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False, help=ABOUT)
 app.command()(drape.drape)
 app.command()(check.check)
+app.command("test")(test.garment_test)
 app.command()(bench.bench)
+app.command("import")(importing.import_file)
 app.command()(output.render)
 app.command()(output.export)
+app.command()(fit.fit)
+app.command()(compare.compare)
 app.add_typer(fabric.app, name="fabric")
 app.add_typer(mannequin.app, name="mannequin")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
@@ -22,8 +23,14 @@ class View(StrEnum):
 class Map(StrEnum):
     none = "none"
     strain = "strain"
+    warp = "warp"
+    weft = "weft"
+    bias = "bias"
+    limit = "limit"
     tension = "tension"
     pressure = "pressure"
+    friction = "friction"
+    distance = "distance"
 
 
 def render(
@@ -44,23 +51,37 @@ def render(
 
 
 def export(
-    source: Annotated[Path, typer.Argument(help="A result folder.")],
-    out: Annotated[Path, typer.Option("--out", "-o", help="The file to write: .obj, .glb or .png.")],
+    source: Annotated[str, typer.Argument(help="A result folder; or, for patterns, a shipped garment or a spec.")],
+    out: Annotated[Path, typer.Option("--out", "-o", help="The file to write: .obj, .glb or .png (draped), .json (pattern, GarmentCode).")],
+    mannequin: Annotated[str | None, typer.Option(help="Whom the pattern is drafted for, in place of the spec's.")] = None,
 ) -> None:
-    """Write a draped garment in another format."""
+    """Write a draped garment, or a pattern, in another format. What the format cannot say is said on stderr."""
     from garmentcad.export.glb import write_garment_glb
     from garmentcad.export.obj import write_garment_obj
     from garmentcad.export.picture import render_picture
     from garmentcad.export.result_folder import read_result_folder
 
-    kinds = {".obj": "mesh", ".glb": "scene", ".png": "picture"}
+    if out.suffix == ".json":
+        _export_pattern(source, out, mannequin)
+        return
+    kinds = {".obj": "mesh", ".glb": "scene", ".png": "picture", ".json": "pattern"}
     if out.suffix not in kinds:
         raise InputError(f"cannot write '{out.suffix or out.name}'; allowed are {', '.join(kinds)}", file=str(out), key="--out")
-    result = read_result_folder(source)
+    result = read_result_folder(Path(source))
     if out.suffix == ".obj":
         write_garment_obj(out, result.cloth, result.state.positions)
     elif out.suffix == ".glb":
         write_garment_glb(out, result.cloth, result.state.positions, result.mannequin)
     else:
         render_picture(out, result.state.positions, result.cloth, result.mannequin, "front")
+    print(out)
+
+
+def _export_pattern(source: str, out: Path, mannequin: str | None) -> None:
+    from garmentcad.export.garmentcode import write_garmentcode
+    from garmentcad.simulation.job import make_job
+
+    job = make_job(source, mannequin=mannequin)
+    for note in write_garmentcode(out, job.pattern, job.mannequin):
+        print(f"note: {note}", file=sys.stderr)
     print(out)

@@ -21,11 +21,19 @@ class MapKind:
 
 # Light where nothing happens, dark where much does; ordered in lightness, so they survive a grey printer and color-blind eyes.
 _WARM = ((0.96, 0.94, 0.89), (0.97, 0.80, 0.55), (0.93, 0.55, 0.33), (0.78, 0.27, 0.27), (0.45, 0.09, 0.25))
+_GREEN = ((0.20, 0.36, 0.25), (0.40, 0.60, 0.42), (0.68, 0.80, 0.60), (0.90, 0.92, 0.80), (0.97, 0.96, 0.92))
 _COOL = ((0.95, 0.95, 0.92), (0.70, 0.85, 0.83), (0.36, 0.68, 0.72), (0.16, 0.44, 0.60), (0.11, 0.20, 0.42))
 MAPS = {
     "strain": MapKind("strain along\nthe yarns", "%", 100.0, _WARM),
+    "warp": MapKind("strain\nalong warp", "%", 100.0, _WARM),
+    "weft": MapKind("strain\nalong weft", "%", 100.0, _WARM),
+    "bias": MapKind("strain along\nthe bias", "%", 100.0, _WARM),
+    "limit": MapKind("strain, of the\nfabric's limit", "%", 100.0, _WARM),
     "tension": MapKind("tension along\nthe yarns", "N/m", 1.0, _WARM),
     "pressure": MapKind("pressure\non the body", "kPa", 1.0, _COOL),
+    "friction": MapKind("friction\non the body", "kPa", 1.0, _COOL),
+    "apart": MapKind("distance from\nthe other", "mm", 1.0, _WARM),
+    "distance": MapKind("distance\nfrom body", "mm", 1.0, _GREEN),
 }
 TOP_PERCENTILE = 99.5
 
@@ -49,15 +57,19 @@ class PaintedMap:
         return np.column_stack([np.interp(place, np.linspace(0.0, 1.0, len(stops)), stops[:, channel]) for channel in range(3)])
 
 
-def painted(name: str, values: np.ndarray, high: float | None = None) -> PaintedMap:
-    """Scale values (P,) of the map `name` for drawing: from 0 to a round number at their 99.5th percentile, or to `high` [legend's unit] where one is given
-    (to compare garments). Raises InputError for an unknown map."""
+def painted(name: str, values: np.ndarray) -> PaintedMap:
+    """Scale values (P,) of the map `name` for drawing: from 0 to a round number at their 99.5th percentile. Raises InputError for an unknown map."""
+    return painted_alike(name, values)[0]
+
+
+def painted_alike(name: str, *garments: np.ndarray) -> list[PaintedMap]:
+    """As `painted` for several garments, on one scale: that of the one that needs the largest."""
     if name not in MAPS:
         raise InputError(f"no such map: {name!r}; allowed: none, {', '.join(MAPS)}", key="map")
     kind = MAPS[name]
-    scaled = np.asarray(values, dtype=np.float64) * kind.factor
-    top = float(np.percentile(scaled, TOP_PERCENTILE)) if len(scaled) else 0.0
-    return PaintedMap(kind, scaled, 0.0, round_up(top) if high is None else high)
+    scaled = [np.asarray(values, dtype=np.float64) * kind.factor for values in garments]
+    top = round_up(max(float(np.percentile(values, TOP_PERCENTILE)) if len(values) else 0.0 for values in scaled))
+    return [PaintedMap(kind, values, 0.0, top) for values in scaled]
 
 
 def round_up(value: float) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 import io
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,14 +13,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from garmentcad.arrays import floats, indices
-from garmentcad.cloth.cloth import Cloth
 from garmentcad.errors import GarmentError, InputError
 from garmentcad.export import legend
 from garmentcad.export.camera import Camera, frame
 from garmentcad.export.color_map import PaintedMap, painted
 from garmentcad.export.normals import particle_normals
 from garmentcad.export.raster import blank, draw_lines, draw_triangles
-from garmentcad.export.seam_lines import seam_and_free_edges
+from garmentcad.export.seam_lines import SewnTriangles, seam_and_free_edges
 from garmentcad.export.shading import shade
 from garmentcad.export.sky_light import SkyLight, SurfaceLight
 from garmentcad.io.atomic import write_atomic
@@ -59,7 +58,7 @@ class ViewMissing(GarmentError):
 def render_picture(
     path: str | Path,
     positions: np.ndarray,
-    cloth: Cloth,
+    cloth: SewnTriangles,
     mannequin: Mannequin | None,
     view: str = "front",
     map_name: str = "none",
@@ -68,8 +67,8 @@ def render_picture(
 ) -> Path:
     """Draw the garment at positions (P,3) m on its mannequin into a PNG file.
 
-    view: front, back, left, right, three-quarter. map_name: none, strain (values without unit), tension (N/m), pressure (kPa); values: (P,) one a particle,
-    as in `Measures.maps`. Raises ViewMissing without the extra, InputError for an unknown view or map.
+    view: front, back, left, right, three-quarter. map_name: none or a name of `color_map.MAPS`; values: (P,) one a particle, as in `Measures.maps`. Raises
+    ViewMissing without the extra, InputError for an unknown view or map.
     """
     painted_map = None
     if map_name != "none":
@@ -82,27 +81,53 @@ def render_picture(
 def render_pictures(
     paths: Mapping[str, Path],
     positions: np.ndarray,
-    cloth: Cloth,
+    cloth: SewnTriangles,
     mannequin: Mannequin | None,
     painted_map: PaintedMap | None = None,
     height_px: int = HEIGHT_PX,
 ) -> list[Path]:
     """As `render_picture`, for several views (view -> file) that share what does not depend on the camera."""
     room = 0 if painted_map is None else round(legend.WIDTH * height_px)
-    cameras = {view: frame(view, positions, None if mannequin is None else mannequin.vertices, height_px, room) for view in paths}
+    cameras = [frame(view, positions, None if mannequin is None else mannequin.vertices, height_px, room) for view in paths]
+    return [write_picture(path, picture) for path, picture in zip(paths.values(), draw_pictures(positions, cloth, mannequin, painted_map, cameras))]
+
+
+def draw_pictures(
+    positions: np.ndarray, cloth: SewnTriangles, mannequin: Mannequin | None, painted_map: PaintedMap | None, cameras: Sequence[Camera]
+) -> list[Any]:
+    """The garment as PIL images, one a camera. Raises ViewMissing without the extra."""
     image = _module("PIL.Image")
     scene = _scene(positions, cloth, mannequin, painted_map)
 
-    def write(view: str) -> Path:
-        picture = image.fromarray(_draw(scene, cameras[view]))
+    def draw(camera: Camera) -> Any:
+        picture = image.fromarray(_draw(scene, camera))
         if painted_map is not None:
-            legend.draw_legend(picture, painted_map)
-        buffer = io.BytesIO()
-        picture.save(buffer, format="PNG", compress_level=COMPRESSION)
-        return write_atomic(paths[view], buffer.getvalue())
+            legend.draw_legend(picture, painted_map, camera.metres_a_pixel())
+        return picture
 
     with ThreadPoolExecutor() as pool:
-        return list(pool.map(write, paths))
+        return list(pool.map(draw, cameras))
+
+
+def write_picture(path: str | Path, picture: Any) -> Path:
+    """Write a PIL image as a PNG file."""
+    buffer = io.BytesIO()
+    picture.save(buffer, format="PNG", compress_level=COMPRESSION)
+    return write_atomic(path, buffer.getvalue())
+
+
+def body_pixels(mannequin: Mannequin, view: str = "front", height_px: int = HEIGHT_PX) -> np.ndarray:
+    """The bare mannequin: pixels (height, width, 3) uint8. Raises InputError for an unknown view."""
+    scene = _Scene((_body_surface(mannequin, SkyLight(mannequin.vertices, mannequin.faces)),), ())
+    return _draw(scene, frame(view, mannequin.vertices, None, height_px))
+
+
+def render_body(path: str | Path, mannequin: Mannequin, view: str = "front", height_px: int = HEIGHT_PX) -> Path:
+    """Draw the bare mannequin into a PNG file; errors as in `render_picture`."""
+    image = _module("PIL.Image")
+    buffer = io.BytesIO()
+    image.fromarray(body_pixels(mannequin, view, height_px)).save(buffer, format="PNG", compress_level=COMPRESSION)
+    return write_atomic(path, buffer.getvalue())
 
 
 def _module(name: str) -> Any:
@@ -130,7 +155,7 @@ class _Scene:
     lines: tuple[tuple[np.ndarray, np.ndarray, tuple[float, float, float], float], ...]  # points, edges, color, width in pixels
 
 
-def _scene(positions: np.ndarray, cloth: Cloth, mannequin: Mannequin | None, painted_map: PaintedMap | None) -> _Scene:
+def _scene(positions: np.ndarray, cloth: SewnTriangles, mannequin: Mannequin | None, painted_map: PaintedMap | None) -> _Scene:
     triangles = cloth.particle_triangles
     normals = particle_normals(positions, triangles)
     right, wrong = (np.array(RIGHT_SIDE), np.array(WRONG_SIDE)) if painted_map is None else (painted_map.colors(),) * 2
@@ -144,10 +169,14 @@ def _scene(positions: np.ndarray, cloth: Cloth, mannequin: Mannequin | None, pai
         _Surface(positions, triangles[:, ::-1], -normals, wrong, look, sky.on(positions, -normals)),
     ]
     if mannequin is not None:
-        normals = particle_normals(mannequin.vertices, mannequin.faces)
-        surfaces.append(_Surface(mannequin.vertices, mannequin.faces, normals, np.array(BODY), CLOTH_LOOK, sky.on(mannequin.vertices, normals)))
+        surfaces.append(_body_surface(mannequin, sky))
     seams, free = seam_and_free_edges(cloth)
     return _Scene(tuple(surfaces), ((positions, free, HEM, HEM_PX), (positions, seams, SEAM, SEAM_PX)))
+
+
+def _body_surface(mannequin: Mannequin, sky: SkyLight) -> _Surface:
+    normals = particle_normals(mannequin.vertices, mannequin.faces)
+    return _Surface(mannequin.vertices, mannequin.faces, normals, np.array(BODY), CLOTH_LOOK, sky.on(mannequin.vertices, normals))
 
 
 def _draw(scene: _Scene, camera: Camera) -> np.ndarray:
@@ -172,7 +201,7 @@ def _draw(scene: _Scene, camera: Camera) -> np.ndarray:
         on_screen = camera.on_screen(line_points, OVERSAMPLING)
         draw_lines(on_screen, edges, OVERSAMPLING * radius_px, radius_px * camera.metres_a_pixel(), len(shown) + k, nearness, owner)
     pixels = np.empty((camera.height, camera.width, 3), dtype=np.uint8)
-    flat = floats([color for _, _, color, _ in scene.lines])
+    flat = floats([color for _, _, color, _ in scene.lines]).reshape(-1, 3)
     shade(owner, seen, shown, floats(np.concatenate(normals)), floats(np.concatenate(colors)), floats(np.concatenate(looks)),
           _lamps(camera), flat, _background(camera.height), pixels)  # fmt: skip
     return pixels

@@ -2,13 +2,25 @@
 
 from __future__ import annotations
 
+from typing import Protocol
+
 import numpy as np
 
 from garmentcad.arrays import unique_pairs
-from garmentcad.cloth.cloth import Cloth
 
 
-def seam_and_free_edges(cloth: Cloth) -> tuple[np.ndarray, np.ndarray]:
+class SewnTriangles(Protocol):
+    """Triangles of vertices and the particles they stand for: all that a picture needs of a Cloth."""
+
+    @property
+    def triangles(self) -> np.ndarray: ...  # (F,3)
+    @property
+    def vertex_particle(self) -> np.ndarray: ...  # (V,)
+    @property
+    def particle_triangles(self) -> np.ndarray: ...  # (F,3)
+
+
+def seam_and_free_edges(cloth: SewnTriangles) -> tuple[np.ndarray, np.ndarray]:
     """Pairs of particles (S,2) along seams and dart legs, and (B,2) along hems and other free edges.
 
     An edge of one panel that one triangle alone uses lies on the contour. Where two contour edges have the same two particles they are sewn together.

@@ -67,9 +67,16 @@ class BodyForce(Protocol):
 
 
 class OneLaw:
-    """What forces of a single law share: `name` is the law's, `energy` [J] its energy."""
+    """What forces of a single law share: `name` is the law's, `energy` [J] its energy. Without internal friction, unless they say otherwise."""
 
     name: str
+
+    def slack(self) -> np.ndarray:
+        return np.empty(0)
+
+    def gauge(self, positions: np.ndarray) -> Gauge:
+        none = np.empty(0)
+        return Gauge(none, none, none, none)
 
     def energy(self, positions: np.ndarray, sliders: np.ndarray | None = None) -> float:
         raise NotImplementedError

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import prange
 
-from garmentcad.arrays import indices, kernel, parallel_kernel
+from garmentcad.arrays import indices, inlined, kernel, parallel_kernel
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.bend import CORNERS, bend_part
@@ -25,7 +25,7 @@ BINS = 8  # the parts of all forces are dealt out in so many bins of about the s
 _WORK = (0.02, 0.022, 0.01, 0.014, 0.014)
 
 
-@kernel
+@inlined
 def _one_part(kind, part, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, held, positions, velocities, out):  # type: ignore[no-untyped-def]
     """Returns the energy lost [J]."""
     if kind == 0:
@@ -54,7 +54,7 @@ def _write_all(deal, first, blocks, coefficients, setting, rooms, border, bend, 
         _one_bin(np.int64(number), deal, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, held, positions, velocities, out, lost)
 
 
-@kernel
+@inlined
 def write_internal(laws, positions, velocities, corner_forces):  # type: ignore[no-untyped-def]
     """All corner forces, in one parallel region. laws: see `law_arguments`."""
     deal, first, lattice, border, bend, span, hinge, (a, b, c, d), lost = laws

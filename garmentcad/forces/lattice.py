@@ -242,15 +242,18 @@ class ForceLattice:
 
 
 def contour_lines(cloth: Cloth, materials: MaterialTable) -> ForceBend:
-    """Bending of the lines of `cloth` that end on the contour."""
+    """Bending of the lines of `cloth` that are not in its lattice: they end on the contour, or find a normal only there."""
     outer = ~_inner(cloth, LatticeSlots(cloth))
     lines = cloth.bends._replace(**{name: column[outer] for name, column in cloth.bends._asdict().items()})
     return ForceBend(lines, across_lines(cloth.bends)[outer], materials)
 
 
 def _inner(cloth: Cloth, slots: LatticeSlots) -> np.ndarray:
-    """(B,) bool: bend lines between lattice neighbours at full spacing."""
+    """(B,) bool: bend lines between lattice neighbours at full spacing, whose centres have a neighbour across them too: a normal."""
     lines = cloth.bends
     whole = (lines.weight_a == 0.0) & (lines.weight_b == 0.0)
     whole &= np.isclose(lines.length_a, cloth.spacing, rtol=1e-9) & np.isclose(lines.length_b, cloth.spacing, rtol=1e-9)
-    return whole & slots.is_lattice_line(indices(lines.center), lines.arm_a[:, 0], lines.arm_b[:, 0], lines.direction)
+    whole &= slots.is_lattice_line(indices(lines.center), lines.arm_a[:, 0], lines.arm_b[:, 0], lines.direction)
+    inner = np.flatnonzero(whole)
+    whole[inner] = (slots.across(lines.center[inner], lines.direction[inner]) != lines.center[inner, None]).any(axis=1)
+    return whole

@@ -19,7 +19,7 @@ import numpy as np
 from garmentcad.arrays import indices, kernel
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.fabric.material import MaterialTable, bending_along
-from garmentcad.forces.force import Gauge, OneLaw
+from garmentcad.forces.force import OneLaw
 from garmentcad.forces.rows import PART
 
 SHORTEST = 1e-2  # of the mean distance: a shorter middle side counts as so long
@@ -72,13 +72,6 @@ class ForceSpan(OneLaw):
         self._spans = SpanElements(np.array(spans.corners), np.array(spans.coefficients), (SHORTEST * spans.length) ** 2, stiffness)
         self.arguments = (self._spans,)
         self.corners = indices(spans.corners).ravel()
-
-    def slack(self) -> np.ndarray:
-        return np.empty(0)
-
-    def gauge(self, positions: np.ndarray) -> Gauge:
-        none = np.empty(0)
-        return Gauge(none, none, none, none)
 
     def write_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray, sliders: np.ndarray | None = None) -> None:
         write_span(*self.arguments, positions, velocities, out)

@@ -1,4 +1,4 @@
-"""Garment specs as YAML files."""
+"""Garment specs as YAML files, and as files of other programs that become specs when they are read."""
 
 from __future__ import annotations
 
@@ -9,14 +9,31 @@ import yaml
 
 from garmentcad.errors import SpecError
 from garmentcad.io.atomic import write_atomic
+from garmentcad.io.garmentcode_import import import_garmentcode
+from garmentcad.io.shipped import shipped_file
 from garmentcad.io.yaml_file import plain_scalar, read_yaml
 from garmentcad.pattern.parse import parse_spec, shown
 from garmentcad.pattern.spec import GarmentSpec
 
+SPEC_ENDINGS = (".yaml", ".yml", ".json")
+
+
+def spec_path(name_or_file: str | Path) -> Path:
+    """File of a spec: a shipped name (`flared-skirt`), or a path that ends in .yaml, .yml or .json."""
+    return shipped_file("patterns", name_or_file) if isinstance(name_or_file, str) and not name_or_file.endswith(SPEC_ENDINGS) else Path(name_or_file)
+
+
+def spec_folder(spec: GarmentSpec) -> Path:
+    """Folder of the file that a spec was read from, for what it refers to; the working folder where there is none."""
+    return Path() if spec.file is None else Path(spec.file).parent
+
 
 def read_spec(path: str | Path) -> GarmentSpec:
-    """The garment spec in a YAML file. FileError for a file that is not plain YAML, SpecError (file, key path, what came, what is allowed) for its content."""
+    """The garment spec in a YAML file, or of a GarmentCode file (.json). FileError for a file that is not plain YAML (or JSON), SpecError (file, key path, what
+    came, what is allowed) for its content."""
     file = str(path)
+    if file.endswith(".json"):
+        return import_garmentcode(path).spec
     data = read_yaml(path)
     if not isinstance(data, dict):
         raise SpecError(f"a garment spec is a mapping, came {shown(data)}", file=file)

@@ -1,25 +1,33 @@
-"""From plain data to a GarmentSpec: every fault that pydantic finds becomes a SpecError with its key path, what came and what is allowed."""
+"""From plain data to a GarmentSpec, or another of our models: each fault becomes a SpecError with its key path, what came and what is allowed."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
 from garmentcad.errors import SpecError
+from garmentcad.pattern.model import Model
 from garmentcad.pattern.spec import GarmentSpec
+
+Made = TypeVar("Made", bound=Model)
 
 
 def parse_spec(data: Any, file: str | None = None) -> GarmentSpec:
     """GarmentSpec of plain data as read from YAML. SpecError with the first fault otherwise, naming how many there are."""
+    spec = parse_model(GarmentSpec, data, file)
+    spec._file = file
+    return spec
+
+
+def parse_model(model: type[Made], data: Any, file: str | None = None) -> Made:
+    """Plain data as one of our models. SpecError as `parse_spec`."""
     try:
-        spec = GarmentSpec.model_validate(data)
+        return model.model_validate(data)
     except ValidationError as fault:
         errors = spec_errors(fault, file)
         more = f" (and {len(errors) - 1} more faults)" if len(errors) > 1 else ""
         raise SpecError(errors[0].message + more, file=file, key=errors[0].key) from None
-    spec._file = file
-    return spec
 
 
 def spec_errors(fault: ValidationError, file: str | None) -> list[SpecError]:

@@ -62,6 +62,15 @@ class Transform:
     translation_mm: tuple[float, float, float]
     rotation_deg: tuple[float, float, float]
 
+    @property
+    def matrix(self) -> np.ndarray:
+        """R = Rz Ry Rx (3,3)."""
+        (cx, cy, cz), (sx, sy, sz) = np.cos(np.deg2rad(self.rotation_deg)), np.sin(np.deg2rad(self.rotation_deg))
+        about_x = np.array([[1.0, 0.0, 0.0], [0.0, cx, -sx], [0.0, sx, cx]])
+        about_y = np.array([[cy, 0.0, sy], [0.0, 1.0, 0.0], [-sy, 0.0, cy]])
+        about_z = np.array([[cz, -sz, 0.0], [sz, cz, 0.0], [0.0, 0.0, 1.0]])
+        return about_z @ about_y @ about_x
+
 
 @dataclass(frozen=True)
 class Panel:

@@ -8,11 +8,12 @@ from __future__ import annotations
 import re
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, PrivateAttr, StrictBool, Tag, model_validator
+from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, PrivateAttr, StrictBool, Tag, model_validator
 from pydantic_core import PydanticCustomError
 
-from garmentcad.errors import did_you_mean
 from garmentcad.pattern.expression import FUNCTIONS, check_grammar
+from garmentcad.pattern.garment_test import GarmentTest
+from garmentcad.pattern.model import Model
 
 MAX_NUMBER = 1e9
 
@@ -62,27 +63,6 @@ Variable = Annotated[str, AfterValidator(_variable)]
 EdgePoint = Annotated[str, AfterValidator(_edge_point)]
 PointSpec = tuple[Number, Number]
 Run = tuple[EdgePoint, EdgePoint]
-
-
-class Model(BaseModel):
-    """Base of all models: unknown keys are refused with the nearest one that is allowed."""
-
-    model_config = ConfigDict(extra="forbid", populate_by_name=True, frozen=True, allow_inf_nan=False)
-
-    @model_validator(mode="before")
-    @classmethod
-    def _known_keys(cls, data: Any) -> Any:
-        if isinstance(data, dict):
-            allowed = {field.alias or name for name, field in cls.model_fields.items()}
-            for key in data:
-                if key not in allowed and key not in cls.model_fields:
-                    raise PydanticCustomError("unknown_key", "unknown key{hint}", {"hint": did_you_mean(str(key), allowed), "key": str(key)})
-        return data
-
-    def _exactly_one(self, *names: str) -> None:
-        given = [name for name in names if getattr(self, name) is not None]
-        if len(given) != 1:
-            raise PydanticCustomError("one_of", "{message}", {"message": f"exactly one of {', '.join(names)} is wanted, came {', '.join(given) or 'none'}"})
 
 
 class ParameterSpec(Model):
@@ -307,7 +287,7 @@ class GarmentSpec(Model):
     panels: dict[Name, AnyPanel] = Field(min_length=1, max_length=200)
     seams: list[SeamSpec] = []
     closures: Annotated[list[Any], AfterValidator(_later)] = []
-    tests: Annotated[dict[str, Any], AfterValidator(_later)] = {}
+    tests: dict[Name, GarmentTest] = {}
 
     _file: str | None = PrivateAttr(default=None)  # where it was read from: for messages and references, no part of the garment
 

@@ -51,12 +51,5 @@ def _angle_at_arc_length(arc: np.ndarray, start: float, radius_ref: float, radiu
 
 def transform_points(uv_mm: np.ndarray, transform: Transform) -> np.ndarray:
     """Points (N,2) of a panel in mm to world points (N,3) in m: x = Rz Ry Rx (u, v, 0) + t."""
-    about_x, about_y, about_z = np.deg2rad(transform.rotation_deg)
-    cx, sx, cy, sy, cz, sz = np.cos(about_x), np.sin(about_x), np.cos(about_y), np.sin(about_y), np.cos(about_z), np.sin(about_z)
-    rotation = (
-        np.array([[cz, -sz, 0.0], [sz, cz, 0.0], [0.0, 0.0, 1.0]])
-        @ np.array([[cy, 0.0, sy], [0.0, 1.0, 0.0], [-sy, 0.0, cy]])
-        @ np.array([[1.0, 0.0, 0.0], [0.0, cx, -sx], [0.0, sx, cx]])
-    )
     flat = np.column_stack([uv_mm, np.zeros(len(uv_mm))])
-    return (flat @ rotation.T + np.asarray(transform.translation_mm)) * MM_TO_M
+    return (flat @ transform.matrix.T + np.asarray(transform.translation_mm)) * MM_TO_M

@@ -14,8 +14,8 @@ from garmentcad.fabric.missing import Completed
 from garmentcad.fabric.sheet import sheet_sha256
 from garmentcad.io.fabric_file import fabric_path, load_fabric
 from garmentcad.io.mannequin_file import read_mannequin
-from garmentcad.io.shipped import resolve_reference, shipped_file
-from garmentcad.io.spec_file import read_spec
+from garmentcad.io.shipped import resolve_reference
+from garmentcad.io.spec_file import read_spec, spec_folder, spec_path
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.draft import draft
 from garmentcad.pattern.pattern import Pattern
@@ -41,8 +41,9 @@ class Job:
 
     @property
     def spec_sha256(self) -> str:
-        """Hash of the spec as plain data (comments and layout of the file do not count)."""
-        return hashlib.sha256(json.dumps(self.spec.model_dump(mode="json"), sort_keys=True).encode()).hexdigest()
+        """Hash of the spec as plain data (comments and layout of the file do not count, nor do its tests: they change no drape)."""
+        garment = self.spec.model_copy(update={"tests": {}})
+        return hashlib.sha256(json.dumps(garment.model_dump(mode="json"), sort_keys=True).encode()).hexdigest()
 
     @property
     def identity(self) -> dict[str, str]:
@@ -53,11 +54,6 @@ class Job:
             "spec": self.spec_sha256, "fabric": json.dumps(sheets), "mannequin": body, "grid_mm": f"{self.grid_mm:g}", "seed": str(self.seed),
             "mode": self.mode, "version": __version__,
         }  # fmt: skip
-
-
-def spec_path(name_or_file: str) -> Path:
-    """File of a spec: a shipped name (`flared-skirt`) or a path that ends in .yaml or .yml."""
-    return Path(name_or_file) if name_or_file.endswith((".yaml", ".yml")) else shipped_file("patterns", name_or_file)
 
 
 def make_job(
@@ -78,12 +74,9 @@ def make_job(
         raise InputError(f"{max_time_s:g} simulated seconds; more than 0 and at most 600 are allowed", key="--max-time")
     if seed < 0:
         raise InputError(f"seed {seed}; 0 or a positive number is allowed", key="--seed")
-    if isinstance(spec, GarmentSpec):
-        model, folder = spec, Path()
-    else:
-        path = spec if isinstance(spec, Path) else spec_path(spec)
-        model, folder = read_spec(path), path.parent
-    body = read_mannequin(mannequin if mannequin is not None else model.mannequin)
+    model = spec if isinstance(spec, GarmentSpec) else read_spec(spec_path(spec))
+    folder = spec_folder(model)
+    body = read_mannequin(mannequin if mannequin is not None else resolve_reference(model.mannequin, "mannequins", folder))
     pattern = draft(model, body.measurements_mm)
     wanted = {panel.fabric for panel in pattern.panels.values() if panel.fabric}
     wanted |= {region.fabric for panel in pattern.panels.values() for region in panel.regions if region.fabric}

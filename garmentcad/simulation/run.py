@@ -14,7 +14,7 @@ from types import FrameType
 import numpy as np
 from shapely.geometry import Polygon
 
-from garmentcad.analysis.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
+from garmentcad.analysis.clearance import clearing_moves, move_panels
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.lattice import build_cloth
 from garmentcad.cloth.state import State
@@ -25,8 +25,9 @@ from garmentcad.fabric.material import MaterialTable, softened
 from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
+from garmentcad.geometry.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
 from garmentcad.mannequin.mannequin import Mannequin
-from garmentcad.pattern.pattern import Panel
+from garmentcad.pattern.pattern import Panel, Transform
 from garmentcad.placement.place import place_vertices
 from garmentcad.simulation.checkpoint import load_state, save_state
 from garmentcad.simulation.course import SOFTNESS, Course, Progress
@@ -55,12 +56,13 @@ class Interrupted(GarmentError):
 
 @dataclass
 class Outcome:
-    """A finished run. status: converged, max_time, diverged or intersecting (contact is judged afterwards, too).
+    """A finished run. status: converged, max_time, diverged or intersecting (contact is judged afterwards, too). flat: the cloth before welding.
 
     wall_s: setup, drape; seconds: by kind of work.
     """
 
     job: Job
+    flat: Cloth
     cloth: Cloth
     materials: MaterialTable
     dynamics: Dynamics
@@ -153,9 +155,9 @@ class _Run:
                 status = course.run(self.state, self.keep)
             except (DivergedError, IntersectingError) as error:
                 self.warnings.append(f"on the lattice of {grids[level]:g} mm: {error}")
-                return self._outcome(cloth, dynamics, error.status)
+                return self._outcome(flat, cloth, dynamics, error.status)
             if last:
-                return self._outcome(cloth, dynamics, status)
+                return self._outcome(flat, cloth, dynamics, status)
             self._add_up(dynamics)
             before, level = (cloth, dynamics.forces), level + 1
 
@@ -168,25 +170,31 @@ class _Run:
 
     def _sew(self, flat: Cloth, welded: Cloth, particle_map: np.ndarray) -> Outcome | None:
         """Close and weld the seams; an outcome only where that failed."""
-        dynamics, _ = _dynamics(self.job, flat, self.materials, sewing=True)
+        dynamics, forces_at = _dynamics(self.job, flat, self.materials, sewing=True)
         if self.state is None:
-            self.state = _placed_state(self.job, flat)
+            self.state = _placed_state(self.job, flat, self.warnings)
             if flat.spacing == MM_TO_M * self.job.grid_mm:
                 self.state.run[UNREFINED] = 1.0
             dynamics.start(self.state)
         self._begin(dynamics)
         try:
-            welding = close_seams(dynamics, self.state, self.keep)
+            welding = close_seams(dynamics, self.state, self.keep, self._carded(forces_at))
         except (DivergedError, IntersectingError) as error:
             self.warnings.append(str(error))
-            return self._outcome(flat, dynamics, error.status)
+            return self._outcome(flat, flat, dynamics, error.status)
         self._add_up(dynamics)
         self.state = weld_state(flat, welded, particle_map, self.state)
         self.state.phase = "fall"
         self.state.run |= {"phase_from_s": self.state.time_s} | welding.as_run()
         return None
 
-    def _outcome(self, cloth: Cloth, dynamics: Dynamics, status: str) -> Outcome:
+    def _carded(self, forces_at: Callable[..., ForceAssembly]) -> Callable[[float], ForceAssembly] | None:
+        """The forces while seams close by the factor on bending; None where no panel starts flat."""
+        softness = SOFTNESS if self.job.mode == "drape" else 1.0
+        flat = any(isinstance(panel.placement, Transform) for panel in self.job.pattern.panels.values())
+        return (lambda card: forces_at(softness, card)) if flat else None
+
+    def _outcome(self, flat: Cloth, cloth: Cloth, dynamics: Dynamics, status: str) -> Outcome:
         assert self.state is not None
         self._add_up(dynamics)
         welding = Welding.of_run(self.state.run)
@@ -197,7 +205,7 @@ class _Run:
         if factor < 1.0:
             self.warnings.append(f"motion ran away at the time step that the stiffness allows; the run went back and on with {factor:g} of it")
         wall = {"setup": self._setup, "drape": time.perf_counter() - self.began - self._setup}
-        return Outcome(self.job, cloth, self.materials, dynamics, self.state, status, welding, wall, self.seconds, self.warnings)
+        return Outcome(self.job, flat, cloth, self.materials, dynamics, self.state, status, welding, wall, self.seconds, self.warnings)
 
 
 def _refined_state(before: tuple[Cloth, ForceAssembly], state: State, after: tuple[Cloth, ForceAssembly], level: int, mannequin: Mannequin) -> State:
@@ -216,12 +224,14 @@ def _refined_state(before: tuple[Cloth, ForceAssembly], state: State, after: tup
     return State(positions, velocities, state.time_s, state.step, phase="fall", friction=friction, run=run, work_j=dict(state.work_j))
 
 
-def _dynamics(job: Job, cloth: Cloth, materials: MaterialTable, sewing: bool) -> tuple[Dynamics, Callable[[float], ForceAssembly]]:
-    """The stepper, and its forces at a softness. While sewing there is neither weight nor friction: seams slide to where they close."""
+def _dynamics(job: Job, cloth: Cloth, materials: MaterialTable, sewing: bool) -> tuple[Dynamics, Callable[..., ForceAssembly]]:
+    """The stepper, and its forces at a softness (and a factor on bending). While sewing there is neither weight nor friction: seams slide until they close."""
     weight = [] if sewing else [ForceGravity(cloth.masses)]
 
-    def forces_at(softness: float) -> ForceAssembly:
-        return ForceAssembly(internal_forces(cloth, softened(materials, softness)), cloth.particle_count, weight)
+    def forces_at(softness: float, card: float = 1.0) -> ForceAssembly:
+        softer = softened(materials, softness)
+        softer = softer._replace(bending=card * softer.bending, twist=card * softer.twist)
+        return ForceAssembly(internal_forces(cloth, softer), cloth.particle_count, weight)
 
     touch = materials
     if sewing:
@@ -231,8 +241,11 @@ def _dynamics(job: Job, cloth: Cloth, materials: MaterialTable, sewing: bool) ->
     return Dynamics(cloth, forces, strain_limit(cloth, materials), contact), forces_at
 
 
-def _placed_state(job: Job, cloth: Cloth) -> State:
+def _placed_state(job: Job, cloth: Cloth, warnings: list[str]) -> State:
     positions = place_vertices(job.pattern, cloth, job.mannequin)
+    moves = clearing_moves(job.pattern, cloth, positions, job.mannequin)
+    warnings += [str(move) for move in moves]
+    positions = move_panels(cloth, positions, moves)
     refuse_tangled(cloth, positions, job.mannequin)
     positions = positions + JITTER_M * np.random.default_rng(job.seed).standard_normal(positions.shape)
     return State(positions, np.zeros_like(positions), phase="close")

@@ -1,0 +1,99 @@
+"""garmentcad test: garments under regression test."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from garmentcad.cli.drape import ProgressLine, allow_threads
+from garmentcad.errors import InputError
+
+if TYPE_CHECKING:
+    from garmentcad.io.garment_test_file import GarmentTestCase
+    from garmentcad.regression.trial import Judgement
+
+
+def garment_test(
+    paths: Annotated[list[Path], typer.Argument(help="Files or folders: *.garment-test.yaml, or garment specs with tests.")],
+    out: Annotated[Path, typer.Option("--out", "-o", help="Where drapes of failed tests and pictures of the difference go.")] = Path("out/garment-tests"),
+    junit: Annotated[Path | None, typer.Option(help="Write the outcome as JUnit XML.")] = None,
+    remake: Annotated[bool, typer.Option("--remake", help="Do not test: make the baselines anew, from several lays each.")] = False,
+    lays: Annotated[int, typer.Option(help="How many lays a baseline is made of.", min=3, max=100)] = 10,
+    threads: Annotated[int | None, typer.Option(help="Threads; the result does not depend on them.", min=1, max=64)] = None,
+    quiet: Annotated[bool, typer.Option("--quiet", help="No progress line.")] = False,
+) -> None:
+    """Drape garments and compare what their reports say with what their tests expect. Exit code 0 where all hold, 4 where one fails."""
+    if threads is not None:
+        allow_threads(threads)
+    import numba
+
+    from garmentcad.io.garment_test_file import find_garment_tests, read_garment_tests
+
+    if threads is not None:
+        numba.set_num_threads(threads)
+    cases = [case for path in paths for file in find_garment_tests(path) for case in read_garment_tests(file)]
+    if remake:
+        _remake(cases, lays, quiet)
+        return
+    judgements = _run(cases, out, quiet)
+    if junit is not None:
+        from garmentcad.regression.junit import write_junit
+
+        print(write_junit(junit, judgements))
+    if any(judged.refusal is not None for judged in judgements):
+        raise typer.Exit(2)
+    raise typer.Exit(0 if all(judged.passed for judged in judgements) else 4)
+
+
+def _run(cases: list[GarmentTestCase], out: Path, quiet: bool) -> list[Judgement]:
+    """All are read before the first is draped: what is wrong in the last file is said at once."""
+    from garmentcad.regression.trial import prepare, run_trial
+
+    judgements = []
+    for trial in [prepare(case) for case in cases]:
+        line = ProgressLine(quiet)
+        judgements.append(run_trial(trial, out / trial.case.name, line.show))
+        line.end()
+        _print(judgements[-1])
+    failed = sum(not judged.passed for judged in judgements)
+    print(f"{len(judgements)} garment tests, {failed} failed")
+    return judgements
+
+
+def _print(judged: Judgement) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    console = Console()
+    if judged.refusal is not None:
+        print(f"garmentcad: {judged.case.name}: {judged.refusal}", file=sys.stderr)
+        return
+    table = Table(title=f"{judged.case.name} ({judged.wall_s:.0f} s)", title_justify="left", pad_edge=False)
+    table.add_column("assertion", no_wrap=True)
+    for column in ("expected", "came", "verdict"):
+        table.add_column(column)
+    for verdict in judged.verdicts:
+        table.add_row(verdict.key, verdict.expected, verdict.came, "[green]holds[/]" if verdict.passed else "[red]FAILS[/]")
+    console.print(table)
+    for path in judged.files:
+        console.print(f"  {path}", highlight=False, soft_wrap=True)
+    for note in judged.notes:
+        console.print(f"  {note}", highlight=False, soft_wrap=True)
+
+
+def _remake(cases: list[GarmentTestCase], lays: int, quiet: bool) -> None:
+    from garmentcad.regression.remake import remake
+
+    wanted = [case for case in cases if case.test.baseline]
+    if not wanted:
+        raise InputError("none of these tests names keys of a baseline; there is nothing to make", key="--remake")
+    for case in wanted:
+        line = ProgressLine(quiet)
+        baseline = remake(case, lays, lambda said, case=case: print(f"{case.name}: {said}", flush=True), line.show)  # type: ignore[misc]
+        line.end()
+        for key, figure in {**baseline.report, **{f"shape.{name}": value for name, value in baseline.distances().items()}}.items():
+            print(f"  {key}: {figure.value:g} +- {figure.tol:g} (sd {figure.sd:g}, {figure.low:g} to {figure.high:g})")
+        print(f"  {case.baseline_file}")

@@ -1,0 +1,78 @@
+"""Making a baseline: drape the garment from several lays, keep the figures and how they scatter."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from garmentcad import __version__
+from garmentcad.analysis.surface_distance import Surface, surface_distance
+from garmentcad.errors import GarmentError, InputError, SpecError
+from garmentcad.io.garment_test_file import GarmentTestCase
+from garmentcad.pattern.garment_test import SHAPE
+from garmentcad.regression.assertion import values_at
+from garmentcad.regression.baseline import FEWEST_LAYS, RULE, Baseline, Figure, Shape, distance_figure, figure, write_baseline
+from garmentcad.regression.lays import Lay, drape_lays
+from garmentcad.regression.trial import job_of, setting
+from garmentcad.simulation.course import Progress
+from garmentcad.simulation.job import Job
+
+LAYS = 10
+# Where other lays lie farther away than this in the mean (RMS), folds fall elsewhere: the shape says nothing, its figures do.
+SHARE_OF_GRID = 0.5
+
+
+class UnfitBaselineError(GarmentError):
+    """A garment whose lays do not come to rest, or do not agree in what the test asks for, can have no such baseline."""
+
+
+def remake(case: GarmentTestCase, lays: int, say: Callable[[str], None], look: Callable[[Progress], None] = lambda progress: None) -> Baseline:
+    """Drape `lays` lays and write the baseline of a test. say: told of each lay.
+
+    InputError for a test that is refused, UnfitBaselineError where lays end otherwise than at rest, or lie too far apart for a shape; then nothing is written.
+    """
+    if lays < FEWEST_LAYS:
+        raise InputError(f"{lays} lays; at least {FEWEST_LAYS} are allowed", key="--lays")
+    if not case.test.baseline:
+        raise SpecError("the test names no keys of which a baseline could be made", file=str(case.file), key="baseline")
+    job = job_of(case)
+
+    def at_rest(lay: Lay) -> None:
+        say(f"start {lay.seed}: {lay.result.report['status']}")
+        if lay.result.report["status"] != "converged":
+            raise UnfitBaselineError(f"start {lay.seed} ended as {lay.result.report['status']}; a garment that does not come to rest can have no baseline")
+
+    drapes, refused = drape_lays(job, lays, at_rest, look)
+    baseline = baseline_of(case, job, drapes, refused)
+    first = drapes[0].result
+    write_baseline(case.baseline_file, baseline, Shape(first.state.positions, first.cloth.triangles, first.cloth.vertex_particle))
+    return baseline
+
+
+def baseline_of(case: GarmentTestCase, job: Job, drapes: list[Lay], refused: int) -> Baseline:
+    """The figures over lays. UnfitBaselineError where a key has no number in some lay, or the lays lie too far apart for a shape."""
+    report: dict[str, Figure] = {}
+    for key in case.test.baseline:
+        if key == SHAPE:
+            continue
+        found = [values_at(lay.result.report, key) for lay in drapes]
+        if not found[0]:
+            raise UnfitBaselineError(f"{case.file}: baseline.{key}: no such value was measured")
+        for path in found[0]:
+            values = [values.get(path) for values in found]
+            numbers = [value for value in values if isinstance(value, (int, float)) and not isinstance(value, bool)]
+            if len(numbers) < len(values):
+                raise UnfitBaselineError(f"{case.file}: baseline.{path}: a number is wanted of every lay, came {values}")
+            report[path] = figure(numbers, case.test.lays)
+    rms = biggest = None
+    if SHAPE in case.test.baseline:
+        first, *others = (Surface(lay.result.state.positions, lay.result.cloth.particle_triangles) for lay in drapes)
+        apart = [surface_distance(other, first) for other in others]
+        rms, biggest = distance_figure([distance.rms_mm for distance in apart]), distance_figure([distance.max_mm for distance in apart])
+        if rms.value > SHARE_OF_GRID * job.grid_mm:
+            far = f"the lays lie {rms.value:.1f} mm (RMS) apart, more than {SHARE_OF_GRID:g} of the grid: folds fall elsewhere each time"
+            remedy = f"take {SHAPE} off the list and keep what does not depend on their place (hem.nodes, hem.drape_coefficient_percent, hem_height_mm)"
+            raise UnfitBaselineError(f"{case.file}: baseline.{SHAPE}: {far}; {remedy}")
+    return Baseline(
+        version=__version__, rule=RULE, lays=len(drapes), refused=refused, setting=setting(case, job), keys=list(case.test.baseline), report=report,
+        rms_mm=rms, max_mm=biggest,
+    )  # fmt: skip

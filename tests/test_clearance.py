@@ -1,0 +1,86 @@
+"""Flat panels that touch at the start are moved apart, rigidly, by as much as it takes; what touches nothing stays."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from drawn import materials
+from test_check_placement import body
+
+from garmentcad.analysis.clearance import STEP_M, clearing_moves, move_panels
+from garmentcad.analysis.penetration import signed_distances
+from garmentcad.cloth.lattice import build_cloth
+from garmentcad.geometry.intersection import crossing_triangle_pairs
+from garmentcad.pattern.draft import draft
+from garmentcad.pattern.parse import parse_spec
+from garmentcad.placement.place import place_vertices
+
+POST_M = 0.1  # radius of the body
+
+
+def started(**places: tuple[list[float], list[float]]) -> Any:
+    """Squares of 200 mm by name: translation mm, rotation degrees."""
+    panels = {
+        name: {
+            "points": {"a": [0, 0], "b": [200, 0], "c": [200, 200], "d": [0, 200]},
+            "edges": [{"name": f"e{k}", "from": "abcd"[k], "to": "bcda"[k]} for k in range(4)],
+            "placement": {"transform": {"translation": translation, "rotation": rotation}},
+        }
+        for name, (translation, rotation) in places.items()
+    }
+    pattern = draft(parse_spec({"name": "squares", "fabric": "x", "mannequin": "post", "panels": panels}), {})
+    cloth = build_cloth(pattern, lambda _, points: np.zeros(len(points), dtype=np.int32), materials(0.2), 20.0)
+    return pattern, cloth, place_vertices(pattern, cloth, body())
+
+
+def test_what_touches_nothing_stays() -> None:
+    pattern, cloth, positions = started(left=([5, 500, 200], [0, 0, 0]), right=([-205, 500, 200], [0, 0, 0]))
+    assert clearing_moves(pattern, cloth, positions, body()) == []
+
+
+def test_halves_that_share_the_middle_part_sideways() -> None:
+    """As the fronts of a GarmentCode shirt: x from 0 and to 0, in one plane."""
+    pattern, cloth, positions = started(left=([0, 500, 200], [0, 0, 0]), right=([-200, 500, 200], [0, 0, 0]))
+    assert len(crossing_triangle_pairs(positions, cloth.triangles)) > 0
+    moves = clearing_moves(pattern, cloth, positions, body())
+    assert [(move.panel, move.clear_of) for move in moves] == [("left", ("panel right",)), ("right", ("panel left",))]
+    assert moves[0].by_m == pytest.approx([2 * STEP_M, 0, 0])
+    assert moves[1].by_m == pytest.approx([-2 * STEP_M, 0, 0])
+    assert len(crossing_triangle_pairs(move_panels(cloth, positions, moves), cloth.triangles)) == 0
+    assert str(moves[0]) == "panel left starts 8 mm (8, 0, 0) from its place, clear of panel right"
+
+
+@pytest.mark.parametrize("turn", [0.0, 180.0])
+def test_a_panel_leaves_the_body_on_its_right_side(turn: float) -> None:
+    """A plane 90 mm in front of the axis of a post of 100 mm, or behind it: it goes out, never through."""
+    x, z = (-100.0, 90.0) if turn == 0.0 else (100.0, -90.0)
+    pattern, cloth, positions = started(front=([x, 500, z], [0, turn, 0]))
+    (move,) = clearing_moves(pattern, cloth, positions, body())
+    assert move.clear_of == ("mannequin post",)
+    assert move.by_m[:2] == pytest.approx([0, 0])
+    assert np.sign(move.by_m[2]) == np.sign(z)
+    moved = move_panels(cloth, positions, [move])
+    assert 0.0 < signed_distances(moved, body().vertices, body().faces).min() <= STEP_M
+    assert moved - positions == pytest.approx(np.tile(move.by_m, (len(positions), 1)))
+
+
+def test_panels_that_cross_in_depth() -> None:
+    pattern, cloth, positions = started(a=([-100, 500, 200], [0, 0, 0]), b=([-100, 500, 150], [-30, 0, 0]), c=([-100, 800, 200], [0, 0, 0]))
+    moves = clearing_moves(pattern, cloth, positions, body())
+    assert {move.panel for move in moves} == {"a", "b"}
+    assert len(crossing_triangle_pairs(move_panels(cloth, positions, moves), cloth.triangles)) == 0
+
+
+def test_a_panel_that_reaches_under_another_comes_out() -> None:
+    """A sleeve 100 mm inside of a front that it overlaps by a quarter: it goes over it, 30 mm clear. A front under a lapel that lies on it stays."""
+    pattern, cloth, positions = started(front=([0, 500, 300], [0, 0, 0]), sleeve=([150, 500, 200], [0, 0, 0]))
+    (move,) = clearing_moves(pattern, cloth, positions, body())
+    assert (move.panel, move.clear_of) == ("sleeve", ("panel front",))
+    assert move.by_m == pytest.approx([0, 0, 0.130])
+    pattern, cloth, positions = started(front=([0, 500, 200], [0, 0, 0]), lapel=([0, 500, 300], [0, 0, 0]))
+    assert clearing_moves(pattern, cloth, positions, body()) == []
+    # The back of a garment looks the other way: nothing lies over it in front.
+    pattern, cloth, positions = started(front=([0, 500, 300], [0, 0, 0]), back=([200, 500, -200], [0, 180, 0]))
+    assert clearing_moves(pattern, cloth, positions, body()) == []

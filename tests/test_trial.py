@@ -1,0 +1,263 @@
+"""Garment tests carried out on drapes that are made up: exit codes, JUnit XML, pytest items, baselines over lays, the picture of a difference."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from garment_band import band_spec
+from hand_made import cylinder_body, rectangles, tube
+from typer.testing import CliRunner
+
+from garmentcad.cli.main import app
+from garmentcad.cloth.state import State
+from garmentcad.errors import InputError, SpecError, TangledError
+from garmentcad.export.report import blank_report
+from garmentcad.export.result_folder import Result
+from garmentcad.io.garment_test_file import GarmentTestCase, read_garment_tests
+from garmentcad.regression import lays as lays_module
+from garmentcad.regression.remake import UnfitBaselineError, remake
+from garmentcad.regression.trial import prepare, run_trial
+from garmentcad.simulation.job import Job
+
+ROOT = Path(__file__).resolve().parent.parent
+CLOTH = rectangles(30, 20, 0.02, 2, sewn=True)
+RUN = CliRunner()
+TEST = """\
+schema: 1
+spec: band.yaml
+grid_mm: 30
+report: {ease_mm.waist: [15, 25], self_intersections: 0}
+baseline: [hem_height_mm, hem.nodes, shape]
+"""
+
+
+def drape_of(hem_mm: float = 600.0, nodes: int = 8, radius_m: float = 0.2, **changes: Any) -> Result:
+    """A drape that never was: a tube with a hem at that height."""
+    report = blank_report() | {"status": "converged", "self_intersections": 0, "hem_height_mm": hem_mm}
+    report |= {"ease_mm": {"bust": None, "waist": 20.0, "hip": None}, "hem": report["hem"] | {"nodes": nodes}} | changes
+    positions = tube(CLOTH, 30, 2, lambda row, angle: np.full_like(angle, radius_m), lambda row: 1e-3 * hem_mm + 0.02 * row)
+    return Result(report, CLOTH, State(positions, np.zeros_like(positions)), {}, cylinder_body())
+
+
+Fake = Callable[[Result | Exception | Callable[[Job], Result]], None]
+
+
+@pytest.fixture
+def drapes(monkeypatch: pytest.MonkeyPatch) -> Fake:
+    """Make every drape that one."""
+
+    def fake(made: Result | Exception | Callable[[Job], Result]) -> None:
+        def finish(job: Job, look: object, folder: object) -> tuple[Result, None]:
+            if isinstance(made, Exception):
+                raise made
+            return (made if isinstance(made, Result) else made(job)), None
+
+        monkeypatch.setattr(lays_module, "finish", finish)
+
+    return fake
+
+
+def scattered(job: Job) -> Result:
+    """A lay: hem and radius by where its panels start."""
+    shift = job.pattern.panels["front"].placement.height_mm - 995.0  # type: ignore[union-attr]
+    return drape_of(hem_mm=600.0 + 0.02 * shift, radius_m=0.2 + 1e-5 * shift)
+
+
+def case_in(folder: Path, text: str = TEST) -> GarmentTestCase:
+    band_spec(folder)
+    path = folder / "band.garment-test.yaml"
+    path.write_text(text)
+    return read_garment_tests(path)[0]
+
+
+@pytest.fixture
+def case(tmp_path: Path, drapes: Fake) -> GarmentTestCase:
+    """A test whose baseline was made."""
+    made = case_in(tmp_path)
+    drapes(scattered)
+    remake(made, 6, lambda said: None)
+    return made
+
+
+def failed(case: GarmentTestCase) -> set[str]:
+    return {verdict.key for verdict in run_trial(prepare(case), None).verdicts if not verdict.passed}
+
+
+def test_what_fails_and_what_does_not(case: GarmentTestCase, drapes: Fake) -> None:
+    assert failed(case) == set()
+    drapes(drape_of(nodes=9))
+    assert failed(case) == set()
+    drapes(drape_of(nodes=10))
+    assert failed(case) == {"hem.nodes"}
+    drapes(drape_of(hem_mm=610.0))  # the shape's hem row is 10 mm away too, of 21 rows of each
+    assert failed(case) >= {"hem_height_mm", "shape.max_mm"}
+    drapes(drape_of(radius_m=0.21))
+    assert failed(case) == {"shape.rms_mm", "shape.max_mm"}
+    drapes(drape_of(ease_mm={"bust": None, "waist": 26.0, "hip": None}, self_intersections=1))
+    assert failed(case) == {"ease_mm.waist", "self_intersections"}
+
+
+def test_a_drape_that_did_not_come_to_rest_fails_with_its_status(case: GarmentTestCase, drapes: Fake) -> None:
+    drapes(drape_of(status="max_time"))
+    (verdict,) = [verdict for verdict in run_trial(prepare(case), None).verdicts if not verdict.passed]
+    assert (verdict.key, verdict.expected, verdict.came) == ("status", "converged", "max_time")
+    lost = drape_of()
+    lost.state.positions[:] = np.nan
+    drapes(dataclasses.replace(lost, report=blank_report() | {"status": "diverged"}))
+    assert failed(case) == {"status", "ease_mm.waist", "self_intersections", "hem_height_mm", "hem.nodes", "shape.rms_mm", "shape.max_mm"}
+
+
+def test_a_status_of_its_own(tmp_path: Path, drapes: Fake) -> None:
+    case = case_in(tmp_path, "schema: 1\nspec: band.yaml\nreport: {status: max_time}\n")
+    drapes(drape_of(status="max_time"))
+    assert failed(case) == set()
+    drapes(drape_of())
+    assert failed(case) == {"status"}
+
+
+def test_several_lays_are_judged_by_their_mean(tmp_path: Path, drapes: Fake) -> None:
+    """A figure whose lays scatter more than it moves: one lay of the changed garment passes, four show it."""
+    scatter = np.random.default_rng(0).standard_normal(60)
+    seeds = {0: 0}
+
+    def lay(job: Job, shift: float = 0.0) -> Result:
+        seeds[0] += 1
+        return drape_of(hem_mm=600.0 + 3.0 * scatter[seeds[0]] + shift)
+
+    for count, caught in ((1, False), (8, True)):
+        case = case_in(tmp_path, f"schema: 1\nspec: band.yaml\ngrid_mm: 30\nlays: {count}\nbaseline: [hem_height_mm]\n")
+        seeds[0] = 0
+        drapes(lay)
+        remake(case, 10, lambda said: None)
+        assert failed(case) == set()
+        drapes(lambda job: lay(job, 10.0))
+        assert failed(case) == ({"hem_height_mm"} if caught else set())
+    # a lay that does not come to rest is named
+    begun = iter(["converged", "max_time", *["converged"] * 6])
+    drapes(lambda job: drape_of(status=next(begun)))
+    assert failed(case) >= {"start 1: status"}
+
+
+def test_command_exit_codes_table_and_junit(case: GarmentTestCase, drapes: Fake, tmp_path: Path) -> None:
+    words = ["test", str(tmp_path), "--quiet", "--junit", str(tmp_path / "j.xml"), "-o", str(tmp_path / "out")]
+    good = RUN.invoke(app, words)
+    assert (good.exit_code, "1 garment tests, 0 failed" in good.stdout) == (0, True)
+    suites = ElementTree.parse(tmp_path / "j.xml").getroot()
+    assert (suites.get("tests"), suites.get("failures"), suites.get("errors")) == ("7", "0", "0")
+    assert not (tmp_path / "out").exists()
+    drapes(drape_of(hem_mm=610.0))
+    bad = RUN.invoke(app, words)
+    assert bad.exit_code == 4
+    assert "FAILS" in bad.stdout
+    suite = ElementTree.parse(tmp_path / "j.xml").getroot()[0]
+    assert suite.get("name") == "band"
+    told = {case.get("name"): case.find("failure") for case in suite.iter("testcase")}
+    assert told["hem.nodes"] is None
+    failure = told["hem_height_mm"]
+    assert failure is not None
+    assert "came 610" in (failure.get("message") or "")
+    # the failed drape is kept, and drawn beside its baseline
+    assert (tmp_path / "out" / "band" / "report.json").exists()
+    assert (tmp_path / "out" / "band" / "difference.png").exists()
+
+
+def test_refused_starts_are_errors_and_exit_2(case: GarmentTestCase, drapes: Fake, tmp_path: Path) -> None:
+    drapes(TangledError("panels start crossing \x00", key="panels"))
+    run = RUN.invoke(app, ["test", str(tmp_path), "--quiet", "--junit", str(tmp_path / "j.xml")])
+    assert run.exit_code == 2
+    suites = ElementTree.parse(tmp_path / "j.xml").getroot()
+    assert (suites.get("tests"), suites.get("failures"), suites.get("errors")) == ("1", "0", "1")
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        (TEST.replace("ease_mm.waist", "ease_mm.wist"), "report.ease_mm.wist: there is no 'wist' in ease_mm; did you mean 'waist'"),
+        (TEST.replace("hem.nodes,", "hem.node,"), "baseline.hem.node: there is no 'node' in hem; did you mean 'nodes'"),
+        (TEST.replace("grid_mm: 30", "grid_mm: 25"), "grid_mm: '30' there, '25' here"),
+        (TEST.replace("grid_mm: 30", "grid_mm: 0.1"), "2 to 50 mm is allowed"),
+        (TEST.replace("grid_mm: 30", "fabric: tweed"), "wool-tropical"),
+        (TEST.replace("shape", "ease_mm.hip"), "--remake"),
+    ],
+)
+def test_all_is_refused_before_the_first_drape(case: GarmentTestCase, drapes: Fake, tmp_path: Path, text: str, says: str) -> None:
+    drapes(AssertionError("draped"))
+    (tmp_path / "z.garment-test.yaml").write_text(text)
+    (tmp_path / "z.baseline.json").write_bytes(case.baseline_file.read_bytes())
+    (tmp_path / "z.baseline.npz").write_bytes(case.baseline_file.with_suffix(".npz").read_bytes())
+    run = RUN.invoke(app, ["test", str(tmp_path), "--quiet"])
+    assert isinstance(run.exception, InputError)  # `main.run` makes it exit code 2
+    assert says in str(run.exception)
+
+
+def test_baselines_are_made_of_lays(tmp_path: Path, drapes: Fake) -> None:
+    case = case_in(tmp_path)
+    seen: list[float] = []
+
+    def lay(job: Job) -> Result:
+        seen.append(job.pattern.panels["front"].placement.height_mm)  # type: ignore[union-attr]
+        if len(seen) == 3:
+            raise TangledError("this start is no lay")
+        return scattered(job)
+
+    drapes(lay)
+    baseline = remake(case, 5, lambda said: None)
+    assert (baseline.lays, baseline.refused, len(set(seen))) == (5, 1, 6)
+    hems = [600.0 + 0.02 * (height - 995.0) for number, height in enumerate(seen) if number != 2]
+    assert baseline.report["hem_height_mm"].value == pytest.approx(np.mean(hems), abs=1e-3)
+    assert baseline.report["hem_height_mm"].high == pytest.approx(max(hems), abs=1e-3)
+    assert baseline.report["hem.nodes"].tol == 1.0
+    assert baseline.rms_mm is not None
+    assert 0.0 < baseline.rms_mm.value < 0.2
+
+
+def test_garments_without_a_baseline(tmp_path: Path, drapes: Fake) -> None:
+    case = case_in(tmp_path)
+    radii = iter(np.linspace(0.2, 0.3, 6))
+    for made, says in (
+        (drape_of(status="max_time"), "start 0 ended as max_time"),
+        (lambda job: drape_of(radius_m=next(radii)), "more than 0.5 of the grid"),
+        (drape_of(hem_mm=600.0, hem=dict.fromkeys(("nodes",))), "a number is wanted of every lay"),
+    ):
+        drapes(made)
+        with pytest.raises(UnfitBaselineError, match=says):
+            remake(case, 5, lambda said: None)
+    assert not case.baseline_file.exists()
+    with pytest.raises(InputError, match="at least 3"):
+        remake(case, 2, lambda said: None)
+    with pytest.raises(SpecError, match="names no keys"):
+        remake(case_in(tmp_path, "schema: 1\nspec: band.yaml\n"), 5, lambda said: None)
+
+
+def test_pytest_collects_runs_and_reports(tmp_path: Path) -> None:
+    """True drapes of the band in a pytest of its own: one holds, one fails, one is refused, foreign YAML is left alone."""
+    case_in(tmp_path, "schema: 1\nspec: band.yaml\ngrid_mm: 30\nreport: {ease_mm.waist: [0, 60], self_intersections: 0, hem_height_mm: {value: 0, tol: 1}}\n")
+    (tmp_path / "good.garment-test.yaml").write_text("schema: 1\nspec: band.yaml\ngrid_mm: 30\nreport: {ease_mm.waist: [0, 60], hem.nodes: [0, 3]}\n")
+    (tmp_path / "refused.garment-test.yaml").write_text("schema: 1\nspec: band.yaml\nreport: {ease_mm.wist: 0}\n")
+    (tmp_path / "foreign.yaml").write_text("a: [")
+    words = [sys.executable, "-m", "pytest", "-p", "garmentcad.regression.pytest_plugin", "-rA", "-p", "no:cacheprovider", str(tmp_path)]
+    environment = os.environ | {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1", "PYTHONPATH": str(ROOT)}
+    run = subprocess.run(words, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=1800, check=False)
+    assert run.returncode == 1, run.stdout + run.stderr
+    assert "1 passed" in run.stdout
+    assert "2 failed" in run.stdout
+    assert "foreign" not in run.stdout
+    assert "garment test band: 1 of 4 assertions failed" in run.stdout
+    assert "hem_height_mm: expected 0 ± 1, came 99" in run.stdout
+    assert "did you mean 'waist'" in run.stdout
+    assert "Traceback" not in run.stdout
+    assert (tmp_path / "out" / "garment-tests" / "band" / "report.json").exists()
+
+
+def test_entry_point_of_the_plugin() -> None:
+    text = (ROOT / "pyproject.toml").read_text()
+    assert '[project.entry-points.pytest11]\ngarmentcad = "garmentcad.regression.pytest_plugin"' in text
