@@ -114,3 +114,17 @@ class Pattern:
     mannequin: str
     values: dict[str, float]
     measurements_mm: dict[str, float]
+
+
+def named_fabrics(pattern: Pattern) -> dict[str, str]:
+    """Every fabric and interfacing that panels and regions name beside the garment's own, with the key path of the first that does."""
+    named: dict[str, str] = {}
+    for panel in pattern.panels.values():
+        key = f"panels.{panel.name}"
+        places = [(panel.fabric, f"{key}.fabric")]
+        for region in panel.regions:
+            places += [(region.fabric, f"{key}.regions.{region.name}.fabric"), (region.interfacing, f"{key}.regions.{region.name}.interfacing")]
+        for name, place in places:
+            if name is not None:
+                named.setdefault(name, place)
+    return named
