@@ -130,6 +130,7 @@ class ForceLattice:
             self._coefficients[_C_TWIST] = twist.rows(slots)
         if bend in self.laws:
             self._coefficients[_C_BEND_WEFT], self._coefficients[_C_BEND_WARP] = bend.rows(slots, inner.direction)
+        numba.get_num_threads()  # kernels from the disk cache ask for the number of their thread, which no thread has before numba starts them
         self._rooms = aligned_zeros(numba.config.NUMBA_NUM_THREADS, _ALL, slots.room)  # type: ignore[attr-defined]
         self.corners = slots.blocks.particle
 

@@ -39,6 +39,21 @@ class Region:
 
 
 @dataclass(frozen=True)
+class FoldLine:
+    """A line along which a panel is folded when it is pressed.
+
+    angle_deg: 0 is flat, 180 laid on itself, positive brings the right sides together. strength: factor on the bending stiffness over the fold.
+    pressed: share of the angle that stays, 0 for a fold that is not pressed, None for the share of the fabric's fibre.
+    """
+
+    name: str
+    points_mm: np.ndarray  # (N,2) at least two different ones
+    angle_deg: float
+    strength: float = 1.0
+    pressed: float | None = None
+
+
+@dataclass(frozen=True)
 class Wrap:
     """Panel wrapped on an arrangement cylinder: the panel point `anchor_mm` goes to (angle, height); panel +x runs toward rising angle (to the right seen from
     outside), panel +y along `up`. The radii of the cylinder are enlarged by `offset_mm` and multiplied by `scale`; `turn_deg` turns the panel about its anchor
@@ -76,6 +91,7 @@ class Panel:
     quantity: int = 1
     holes: tuple[tuple[Edge, ...], ...] = ()
     regions: tuple[Region, ...] = ()
+    folds: tuple[FoldLine, ...] = ()
     internal_lines: dict[str, np.ndarray] = field(default_factory=dict)  # name -> (N,2) mm
     drill_holes: dict[str, tuple[float, float]] = field(default_factory=dict)
     points: dict[str, tuple[float, float]] = field(default_factory=dict)

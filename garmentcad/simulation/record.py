@@ -95,7 +95,8 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
         normal = vertex_normals(body.vertices, body.faces)[nearest]
         gap = max(LEAST_GAP_M, 0.5 * float(outcome.materials.thickness.max()))
         pressure = contact_pressure(outcome.dynamics.net_forces(state), normal, distance, gap, particle_areas(cloth))
-    return made, measure(cloth, state.positions, outcome.materials, body, roles, place_vertices(job.pattern, cloth, body), pressure)
+    folds = {f"{panel.name}.{fold.name}": fold.points_mm for panel in job.pattern.panels.values() for fold in panel.folds}
+    return made, measure(cloth, state.positions, outcome.materials, body, roles, place_vertices(job.pattern, cloth, body), pressure, folds)
 
 
 def _sum(energy: dict[str, float], *names: str) -> float | None:

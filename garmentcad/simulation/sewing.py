@@ -90,4 +90,5 @@ def weld_state(cloth: Cloth, welded: Cloth, particle_map: np.ndarray, state: Sta
     for axis in range(3):
         positions[:, axis] = np.bincount(particle_map, cloth.masses * state.positions[:, axis], welded.particle_count) / welded.masses
         velocities[:, axis] = np.bincount(particle_map, cloth.masses * state.velocities[:, axis], welded.particle_count) / welded.masses
-    return State(positions, velocities, state.time_s, state.step, state.time_step_s, run=dict(state.run), work_j=dict(state.work_j))
+    kept, done = dict(state.run), dict(state.work_j)
+    return State(positions, velocities, state.time_s, state.step, state.time_step_s, run=kept, work_j=done, fold_angles=state.fold_angles)
