@@ -24,6 +24,7 @@ lint: $(VENV)/.installed
 	$(BIN)/mypy garmentcad
 
 study: $(VENV)/.installed
+	$(BIN)/python -m tools.body_study
 	$(BIN)/python -m tools.study
 
 bench: $(VENV)/.installed

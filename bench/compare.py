@@ -18,9 +18,9 @@ import numpy as np
 
 from bench.peers.environment import BLENDER, FOLDER, NEWTON, Peer, PeerError, ask, environment
 from bench.peers.workload import SIMULATED_S, ball, square, triangles_of
-from garmentcad.analysis.intersection import crossing_triangle_pairs
 from garmentcad.analysis.penetration import penetration_mm
 from garmentcad.bench.cloth_on_ball import NAME
+from garmentcad.geometry.intersection import crossing_triangle_pairs
 from garmentcad.io.atomic import write_atomic
 
 ROOT = Path(__file__).resolve().parent.parent

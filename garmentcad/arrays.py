@@ -133,6 +133,16 @@ def kernel(function: Any) -> Any:
     return njit(**_OPTIONS)(function)
 
 
+def inlined_kernel(function: Any) -> Any:
+    """Compile a kernel that becomes part of every kernel that calls it, however long it is: wide loops may call no others."""
+    return njit(forceinline=True, **_OPTIONS)(function)
+
+
+def inlined(function: Any) -> Any:
+    """A kernel that becomes part of those that call it: one compilation less. For what only deals out calls."""
+    return njit(inline="always", **_OPTIONS)(function)
+
+
 def parallel_kernel(function: Any) -> Any:
     """Compile a kernel with `prange`. Gather only: each iteration writes its own outputs; no reductions."""
     return njit(parallel=True, **_OPTIONS)(function)

@@ -17,4 +17,4 @@ GF_CM2_CM_TO_N_M = 9.80665e-5  # gf.cm2/cm -> N.m (B)
 GF_CM_CM_TO_N = 9.80665e-3  # gf.cm/cm -> N (2HB)
 MG_CM2_TO_KG_M2 = 0.01  # mg/cm2 -> kg/m2 (W)
 G_M2_TO_KG_M2 = 1e-3
-KPA_TO_PA = 1e3
+PA_TO_KPA = 1e-3

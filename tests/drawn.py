@@ -50,5 +50,6 @@ def materials(*areal_mass: float) -> MaterialTable:
     """One row for each areal mass; everything else is 1."""
     rows = len(areal_mass)
     pairs = {"tension_strain", "tension_force", "tension_exponent", "tension_slope", "strain_limit", "bending"}
+    pairs |= {"tension_friction", "shear_friction", "bending_friction"}
     ones = {name: np.ones((rows, 2) if name in pairs else rows) for name in MaterialTable._fields}
     return MaterialTable(**(ones | {"areal_mass": np.array(areal_mass)}))

@@ -7,6 +7,7 @@ import numpy as np
 
 from garmentcad.arrays import floats, frozen, indices, rows_by_key
 from garmentcad.cloth.cloth import WARP, WEFT, BendLines, BorderTriangles, Cells, Cloth, ContourSpans, Links, SeamHinges
+from garmentcad.fabric.law_shear import stick_way
 from garmentcad.fabric.law_tension import initial_slope
 from garmentcad.fabric.material import MaterialTable
 
@@ -16,23 +17,30 @@ H = 0.01
 COLUMNS, ROWS = 5, 6
 
 
-def materials() -> MaterialTable:
-    """A curved tensile law in two directions, and one that is linear in the warp and softens in the weft."""
+def materials(friction: float = 0.0) -> MaterialTable:
+    """A curved tensile law in two directions, and one that is linear in the warp and softens in the weft. friction: share of usual internal friction."""
     strain = floats([[0.04, 0.09], [0.10, 0.06]])
     force = floats([[490.33, 490.33], [200.0, 49.033]])
     exponent = floats([[2.5, 1.2], [0.0, -1.5]])
     slope = floats(initial_slope(strain, force, exponent))
     two = floats([0.5, 0.5])
+    shear, bending = floats([45.0, 80.0]), floats([[1.2e-5, 0.7e-5], [3e-5, 2e-5]])
+    hold = friction * floats([[0.4, 0.9], [0.8, 1.4]])
     return MaterialTable(
         areal_mass=floats([0.15, 0.20]),
         tension_strain=strain,
         tension_force=force,
         tension_exponent=exponent,
         tension_slope=slope,
+        tension_friction=friction * floats([[0.2, 0.25], [0.15, 0.3]]),
         strain_limit=1.2 * strain,
-        shear=floats([45.0, 80.0]),
-        bending=floats([[1.2e-5, 0.7e-5], [3e-5, 2e-5]]),
+        shear=shear,
+        shear_friction=hold,
+        shear_way=floats([stick_way(*row, stiffness) for row, stiffness in zip(hold, shear)]),
+        bending=bending,
+        bending_friction=friction * 25.0 * bending,
         twist=floats([0.6e-5, 1e-5]),
+        twist_friction=friction * floats([2e-4, 1e-4]),
         thickness=1e-3 * two,
         friction_body=two,
         friction_cloth=two,
@@ -89,22 +97,20 @@ def small_cloth() -> Cloth:
     center_, arm_a, arm_b, weight_a, weight_b, length_a, length_b, width, line_direction = zip(*lines)
     bends = BendLines(
         indices(center_), indices(arm_a), floats(weight_a), indices(arm_b), floats(weight_b),
-        floats(length_a), floats(length_b), floats(width), indices(line_direction), material(len(lines)),
+        floats(length_a), floats(length_b), floats(width), np.ones(len(lines)), indices(line_direction), material(len(lines)),
     )  # fmt: skip
 
     # hinges over the warp links between two rows of cells: wing a on the left, wing b on the right of an edge that runs up
     edges = [(lattice[r, c], lattice[r + 1, c], lattice[r, c - 1], lattice[r + 1, c + 1]) for r in range(ROWS - 1) for c in range(1, COLUMNS - 1)]
     count = len(edges)
     hinges = SeamHinges(
-        indices(edges), np.ones(count), rng.uniform(-0.5, 0.5, count), np.full(count, 2.0),
+        indices(edges), np.full(count, H), np.ones(count), rng.uniform(-0.5, 0.5, count), np.full(count, 2.0),
         indices(np.column_stack([material(count), material(count)])), rng.uniform(0.0, 1.0, (count, 2)),
     )  # fmt: skip
 
     rows = np.column_stack([contour[k : len(contour) - 3 + k] for k in range(4)])
     count = len(rows)
-    spans = ContourSpans(
-        indices(rows), np.tile([-1.0, 3.0, -3.0, 1.0], (count, 1)), np.full(count, H), rng.uniform(0.0, 1.0, count), material(count)
-    )
+    spans = ContourSpans(indices(rows), np.tile([-1.0, 3.0, -3.0, 1.0], (count, 1)), np.full(count, H), rng.uniform(0.0, 1.0, count), material(count))
 
     masses = np.zeros(len(uv))
     np.add.at(masses, corners, 0.15 * H * H / 4)

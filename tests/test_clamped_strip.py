@@ -10,6 +10,7 @@ import math
 import numba
 import numpy as np
 import pytest
+from elastic import elastic
 from scipy.optimize import minimize
 
 from garmentcad.arrays import floats
@@ -29,8 +30,8 @@ REACTIONS_N = {0: 1.0, 30: 0.15124, 45: 0.10167}  # at 1.25 mm
 
 def linear_material() -> MaterialTable:
     pair = floats([[1.0, 1.0]])
-    return MaterialTable(
-        areal_mass=floats([0.15]),
+    return elastic(
+        floats([0.15]),
         tension_strain=0.1 * pair,
         tension_force=0.1 * SLOPE * pair,
         tension_exponent=0.0 * pair,

@@ -32,9 +32,22 @@ def test_json_prints_one_object_and_nothing_else(tmp_path: Path) -> None:
         assert isinstance(json.loads(run.stdout), dict)
 
 
+def test_body_of_measurements_is_made_and_read_again(tmp_path: Path) -> None:
+    run = garmentcad("mannequin", "make", "woman", "bust=860", "waist=690", "hip=950", "--pad", "12", "-o", "anna.yaml", folder=tmp_path)
+    assert run.returncode == 0, run.stderr
+    assert run.stdout == "anna.yaml\n"
+    shown = json.loads(garmentcad("mannequin", "show", "anna.yaml", "--json", folder=tmp_path).stdout)
+    assert shown["measurements_mm"]["waist"] == pytest.approx(690, abs=0.1)
+    assert garmentcad("mannequin", "make", "woman-88", "--pose", "squat", "-o", "squat.obj", folder=tmp_path).returncode == 0
+    assert (tmp_path / "squat.obj").read_text().startswith("# garmentcad")
+
+
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
+        (("mannequin", "make", "woman", "bust=wide"), "bust=wide"),
+        (("mannequin", "make", "woman", "bust=860", "-o", "body.fbx"), ".yaml, .obj, .png"),
+        (("mannequin", "make", "woman-88", "waist=700", "-o", "body.obj"), "woman or man"),
         (("drape", "flared-skrit"), "did you mean"),
         (("drape", "flared-skirt", "--grid", "0.5"), "2 to 50 mm"),
         (("drape", "flared-skirt", "--max-time", "nan"), "--max-time"),
@@ -44,7 +57,12 @@ def test_json_prints_one_object_and_nothing_else(tmp_path: Path) -> None:
         (("drape", "flared-skirt", "--resume", "-o", "nowhere"), "no checkpoint"),
         (("render", "nowhere", "-o", "x.png"), "report.json"),
         (("export", "nowhere", "-o", "x.stl"), ".obj"),
+        (("fit", "nowhere"), "report.json"),
+        (("fit", "nowhere", "--line", "hip"), "HEIGHT in mm"),
+        (("compare", "nowhere", "elsewhere"), "report.json"),
         (("fabric", "show", "tweed"), "wool-tropical"),
+        (("fabric", "fit", "no-such.csv", "-o", "x.yaml"), "no-such.csv"),
+        (("fabric", "fit", "no-such.csv", "-o", "x.csv"), ".yaml is allowed"),
     ],
 )
 def test_bad_arguments_are_refused(arguments: tuple[str, ...], says: str, tmp_path: Path) -> None:
@@ -52,6 +70,19 @@ def test_bad_arguments_are_refused(arguments: tuple[str, ...], says: str, tmp_pa
     assert run.returncode == 2, run.stderr
     assert says in run.stderr
     assert "Traceback" not in run.stderr
+
+
+def test_fast_values_become_a_sheet_that_can_be_shown(tmp_path: Path) -> None:
+    (tmp_path / "fast.csv").write_text("property;unit;warp;weft;value\nW;g/m2;;;168\nE20;%;1.9;1.9;\nE100;%;4.6;5.9;\nEB5;%;;;4.7\nC;mm;15;14.5;\n")
+    run = garmentcad("fabric", "fit", "fast.csv", "-o", "wool.yaml", "--json", folder=tmp_path)
+    assert run.returncode == 0, run.stderr
+    answer = json.loads(run.stdout)
+    rows = {row["key"]: row for row in answer["fitted"]}
+    assert rows["G.mean"]["low"] < rows["G.mean"]["value"] < rows["G.mean"]["high"]
+    assert "2HB.warp" in answer["assumed"]
+    assert "bounds" in garmentcad("fabric", "fit", "fast.csv", "-o", "wool.yaml", folder=tmp_path).stdout
+    shown = json.loads(garmentcad("fabric", "show", "wool.yaml", "--json", folder=tmp_path).stdout)
+    assert {row["key"]: row["value"] for row in shown["rows"]}["B.warp"] == pytest.approx(rows["B.warp"]["value"], rel=1e-4)
 
 
 SPECS = [case for case in CASES if case.kind == "spec"]

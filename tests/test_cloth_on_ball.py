@@ -9,7 +9,7 @@ from garmentcad.bench import cloth_on_ball
 from garmentcad.bench.cases import case_job, case_names, run_case
 from garmentcad.cloth.lattice import build_cloth
 from garmentcad.errors import InputError
-from garmentcad.fabric.law_tension import tension
+from garmentcad.fabric.law_tension import loading
 from garmentcad.placement.place import place_vertices
 from garmentcad.simulation.materials import lay_out
 
@@ -21,9 +21,11 @@ def test_laws_are_linear_in_the_stated_stiffnesses() -> None:
     for way in (0, 1):
         law = (materials.tension_strain[0, way], materials.tension_force[0, way], materials.tension_exponent[0, way], materials.tension_slope[0, way])
         for strain in (-0.05, 1e-4, 0.01, 0.2, 0.3):
-            assert tension(strain, *law) == pytest.approx((2000.0 * strain, 2000.0), rel=1e-9)
+            assert loading(strain, *law) == pytest.approx((2000.0 * strain, 2000.0), rel=1e-9)
     assert materials.shear[0] == pytest.approx(50.0, rel=1e-12)
     assert materials.bending[0] == pytest.approx([1e-5, 1e-5], rel=1e-12)
+    for name in ("tension_friction", "shear_friction", "bending_friction", "twist_friction"):
+        assert not getattr(materials, name).any()
     assert 4.0 * materials.twist[0] == pytest.approx(2.0e-5, rel=1e-12)  # bends alike in every direction
     assert (materials.thickness[0], materials.friction_body[0]) == pytest.approx((0.003, 0.3))
 

@@ -16,7 +16,6 @@ import trimesh
 from loose_sheet import least_distance
 from test_dynamics import linear_fabric
 
-from garmentcad.analysis.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.lattice import rectangle_cloth
 from garmentcad.cloth.state import State
@@ -27,6 +26,7 @@ from garmentcad.errors import GarmentError
 from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
+from garmentcad.geometry.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
 from garmentcad.simulation.checkpoint import load_state, save_state
 from garmentcad.solve.dynamics import Dynamics
 from garmentcad.solve.strain_limit import strain_limit

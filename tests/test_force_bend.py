@@ -11,14 +11,14 @@ from force_checks import particle_forces
 from small_cloth import COLUMNS, ROWS, H, flat, materials, small_cloth
 
 from garmentcad.cloth.cloth import WEFT
-from garmentcad.forces.bend import ForceBend
+from garmentcad.forces.bend import ForceBend, across_lines
 from garmentcad.forces.lattice import ForceLattice
 
 CLOTH, MATERIALS = small_cloth(), materials()
 
 
 def only(mask: np.ndarray) -> ForceBend:
-    return ForceBend(type(CLOTH.bends)(*(column[mask] for column in CLOTH.bends)), MATERIALS)
+    return ForceBend(type(CLOTH.bends)(*(column[mask] for column in CLOTH.bends)), across_lines(CLOTH.bends)[mask], MATERIALS)
 
 
 def only_in_lattice(mask: np.ndarray) -> ForceLattice:
@@ -72,5 +72,5 @@ def test_folded_flat_and_zero_arms_are_finite(make) -> None:
 
 
 def test_flat_cloth_has_no_force() -> None:
-    for force in (ForceBend(CLOTH.bends, MATERIALS), ForceLattice(CLOTH, MATERIALS, ("bend",))):
+    for force in (ForceBend(CLOTH.bends, across_lines(CLOTH.bends), MATERIALS), ForceLattice(CLOTH, MATERIALS, ("bend",))):
         assert np.abs(particle_forces(force, flat(CLOTH))).max() < 1e-15

@@ -7,7 +7,7 @@ import pytest
 from force_checks import particle_forces
 from small_cloth import flat, materials, small_cloth
 
-from garmentcad.fabric.law_tension import tension, tension_energy
+from garmentcad.fabric.law_tension import loading, loading_energy
 from garmentcad.forces.border import ForceBorder
 
 CLOTH = small_cloth()
@@ -20,13 +20,13 @@ CURVES = [tuple(float(column[0, axis]) for column in (ONE.tension_strain, ONE.te
 def test_uniform_strain_is_exact(warp: float, weft: float) -> None:
     force = ForceBorder(CLOTH, ONE)
     positions = flat(CLOTH) * [1.0 + weft, 1.0 + warp, 1.0]
-    density = tension_energy(warp, *CURVES[0]) + tension_energy(weft, *CURVES[1])
+    density = loading_energy(warp, *CURVES[0]) + loading_energy(weft, *CURVES[1])
     area = float(CLOTH.border.area.sum())
     assert force.energy(positions) == pytest.approx(density * area, rel=1e-10)
     # virtual work of widening and of lengthening the strip: tension times area
     work = (particle_forces(force, positions) * flat(CLOTH)).sum(axis=0)
-    assert work[0] == pytest.approx(-tension(weft, *CURVES[1])[0] * area, rel=1e-9, abs=1e-12)
-    assert work[1] == pytest.approx(-tension(warp, *CURVES[0])[0] * area, rel=1e-9, abs=1e-12)
+    assert work[0] == pytest.approx(-loading(weft, *CURVES[1])[0] * area, rel=1e-9, abs=1e-12)
+    assert work[1] == pytest.approx(-loading(warp, *CURVES[0])[0] * area, rel=1e-9, abs=1e-12)
 
 
 @pytest.mark.parametrize("gamma", [0.04, -0.3])

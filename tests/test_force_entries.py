@@ -10,7 +10,7 @@ from small_cloth import deformed, materials, small_cloth
 
 from garmentcad.arrays import indices
 from garmentcad.cloth.cloth import Cloth
-from garmentcad.forces.bend import ForceBend, write_bend
+from garmentcad.forces.bend import ForceBend, across_lines, write_bend
 from garmentcad.forces.border import ForceBorder, write_border
 from garmentcad.forces.hinge import ForceHinge, write_hinge
 from garmentcad.forces.lattice import ForceLattice, write_lattice
@@ -20,7 +20,7 @@ CLOTH = small_cloth()
 MAKE = {
     write_lattice: lambda cloth: ForceLattice(cloth, materials(), damping_time=1e-5),
     write_border: lambda cloth: ForceBorder(cloth, materials(), 1e-5),
-    write_bend: lambda cloth: ForceBend(cloth.bends, materials()),
+    write_bend: lambda cloth: ForceBend(cloth.bends, across_lines(cloth.bends), materials()),
     write_span: lambda cloth: ForceSpan(cloth, materials()),
     write_hinge: lambda cloth: ForceHinge(cloth, materials()),
 }
@@ -41,7 +41,8 @@ def test_entry_writes_what_the_force_writes(entry) -> None:
     velocities = np.random.default_rng(0).normal(size=positions.shape)
     found, expected = np.zeros((2, len(force.corners), 3))
     force.write_forces(positions, velocities, expected)
-    entry(*force.arguments, positions, velocities, found)
+    held = () if entry is write_span else (force.slack(),)
+    entry(*force.arguments, *held, positions, velocities, found)
     assert expected.any()
     np.testing.assert_array_equal(found, expected)
     specialisations = len(entry.signatures)

@@ -28,7 +28,7 @@ def disc(radius_mm: float, grid_mm: float):
 def test_a_saw_tooth_costs_what_a_bend_line_of_half_a_spacing_costs() -> None:
     cloth = rectangle_cloth(200.0, 100.0, 10.0, 0.0, MATERIALS)
     bottom = cloth.edge_vertices["rectangle.bottom"]
-    height = 0.1e-3
+    height = 1e-7  # a tooth of a/l tilts the side between two points by 2 a/l, and the measure is taken across it
     positions = flat(cloth)
     positions[bottom, 2] = height * (-1.0) ** np.arange(len(bottom))
     # turning angle 4 a/l at each point: E = B w t^2/(2 l) with w = l/2, at each of the spans along the bottom edge
@@ -52,6 +52,17 @@ def test_affine_maps_and_cylinders_along_straight_contours_cost_nothing(grain: f
     scale = force.energy(tooth)
     assert force.energy(affine) < 1e-20 * scale
     assert force.energy(parabola) < 1e-20 * scale
+
+
+def test_a_strip_rolled_up_tightly_along_its_contour_costs_nothing() -> None:
+    cloth = rectangle_cloth(200.0, 100.0, 10.0, 0.0, MATERIALS)
+    force, turn = ForceSpan(cloth, MATERIALS), 1.5
+    rolled, tooth = flat(cloth), flat(cloth)
+    radius = 0.01 / (2.0 * np.sin(0.5 * turn))
+    angle = flat(cloth)[:, 0] / 0.01 * turn
+    rolled[:, 0], rolled[:, 2] = radius * np.sin(angle), -radius * np.cos(angle)
+    tooth[cloth.edge_vertices["rectangle.top"], 2] = 1e-3 * (-1.0) ** np.arange(21)
+    assert force.energy(rolled) < 1e-20 * force.energy(tooth)
 
 
 def test_a_bent_disc_keeps_nearly_all_of_its_energy_in_the_bend_lines() -> None:

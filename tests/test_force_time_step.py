@@ -12,7 +12,7 @@ from small_cloth import deformed, materials, small_cloth
 
 from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.internal import internal_forces
-from garmentcad.forces.time_step import SAFETY, internal_damping_time, largest_stable_time_step
+from garmentcad.forces.time_step import SAFETY, internal_damping_time, largest_stable_time_step, measured_frequency
 
 
 def test_two_masses_on_a_spring_are_exact() -> None:
@@ -48,3 +48,28 @@ def largest_motion(factor: float) -> float:
 def test_a_cloth_is_stable_at_the_step_and_not_far_beyond() -> None:
     assert largest_motion(1.0) < 0.02
     assert largest_motion(2.5) > 1.0
+
+
+def test_measured_frequency_is_the_largest_eigenvalue_of_the_tangent() -> None:
+    cloth = small_cloth()
+    assembly = ForceAssembly(internal_forces(cloth, materials()), cloth.particle_count)
+    positions = deformed(cloth, "wavy")
+    inverse_masses = 1.0 / cloth.masses
+    inverse_masses[:3] = 0.0
+    size, nudge = positions.size, 1e-7
+    tangent, still = np.empty((size, size)), np.zeros_like(positions)
+    for k in range(size):
+        sides = []
+        for sign in (1.0, -1.0):
+            moved, total = positions.copy(), np.empty_like(positions)
+            moved.reshape(-1)[k] += sign * nudge
+            assembly.add_up(moved, still, total)
+            sides.append(total.ravel())
+        tangent[:, k] = (sides[1] - sides[0]) / (2.0 * nudge)
+    root = np.repeat(np.sqrt(inverse_masses), 3)
+    exact = math.sqrt(np.linalg.eigvalsh(0.5 * root[:, None] * (tangent + tangent.T) * root)[-1])
+    measured = measured_frequency(assembly, positions, inverse_masses)
+    assert measured == pytest.approx(exact, rel=0.01)
+    stiffness = np.empty(cloth.particle_count)
+    assembly.stiffness(positions, stiffness)
+    assert measured < math.sqrt(float((stiffness * inverse_masses).max()))

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import trimesh
 from drawn import pattern, rectangle
+from elastic import linear
 
-from garmentcad.arrays import floats
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.lattice import build_cloth, rectangle_cloth
 from garmentcad.cloth.state import State
@@ -32,11 +32,7 @@ GAP = 1e-3
 
 
 def fabric(tension_n_m: float) -> MaterialTable:
-    both, one = floats([[1.0, 1.0]]), floats([1.0])
-    return MaterialTable(
-        0.15 * one, 0.2 * both, 0.2 * tension_n_m * both, 0.0 * both, tension_n_m * both, 0.4 * both,
-        0.02 * tension_n_m * one, 1e-5 * both, 0.5e-5 * one, 5e-4 * one, MU * one, MU * one,
-    )  # fmt: skip
+    return linear(0.15, tension_n_m, limit=0.4, shear=0.02 * tension_n_m, thickness=5e-4, friction=MU)
 
 
 def moved(cloth: Cloth, materials: MaterialTable, weights: np.ndarray, body: tuple[np.ndarray, np.ndarray] | None, fixed: np.ndarray | None = None) -> Dynamics:

@@ -15,11 +15,14 @@ def test_level_and_tilted_hem() -> None:
     found = hem_height(cloth, level, ["front.hem", "back.hem"])
     assert found is not None
     assert (found.mean_mm, found.low_mm, found.high_mm) == pytest.approx((600.0, 600.0, 600.0))
+    assert found.uneven_mm == pytest.approx(0.0, abs=1e-4)
     tilted = level.copy()
     tilted[:, 1] += 0.2 * tilted[:, 2]  # z runs from -0.1 to 0.1
     found = hem_height(cloth, tilted, ["front.hem", "back.hem"])
     assert found is not None
     assert (found.mean_mm, found.low_mm, found.high_mm) == pytest.approx((600.0, 580.0, 620.0))
+    # a wave of 20 mm has 20/sqrt(2) mm of RMS; chords of a circle of 40 lie a little inside
+    assert found.uneven_mm == pytest.approx(20.0 / 2.0**0.5, rel=0.005)
 
 
 def test_mean_is_weighted_by_length_on_the_pattern() -> None:
@@ -33,6 +36,8 @@ def test_mean_is_weighted_by_length_on_the_pattern() -> None:
     found = hem_height(cloth, positions, ["front.hem"])
     assert found is not None
     assert found.mean_mm == pytest.approx(16.25)
+    # mean square of height: (10 * 10^2/3 + 30 * (10^2 + 10 * 30 + 30^2)/3) / 40
+    assert found.uneven_mm**2 == pytest.approx((1000.0 / 3.0 + 13000.0) / 40.0 - 16.25**2)
 
 
 def test_no_hem() -> None:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from garmentcad.analysis.intersection import _cross_exactly, crossing_triangle_pairs, crossing_triangle_pairs_between
+from garmentcad.geometry.intersection import _cross_exactly, crossing_triangle_pairs, crossing_triangle_pairs_between
 
 
 def independent(positions: np.ndarray, triangles: np.ndarray) -> set[tuple[int, int]]:

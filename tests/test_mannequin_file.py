@@ -68,6 +68,10 @@ BAD = {
     "odd arm": (GOOD.replace("hip: 960", "hip: 960, top_arm: 900"), "top_arm"),
     "odd stature": (GOOD.replace("hip: 960", "hip: 960, nape_to_waist: 800"), "stature"),
     "arm angle": (GOOD + "arm_angle: 10\n", "arm_angle"),
+    "form": (GOOD + "form: 3\n", "true, false"),
+    "pads": (GOOD + "shoulder_pads: 12\n", "thickness"),
+    "pads unknown": (GOOD + "shoulder_pads: {thickness: 12, depth: 3}\n", "overhang"),
+    "pads thick": (GOOD + "shoulder_pads: {thickness: 90}\n", "2 to 40 mm"),
     "arm angle text": (GOOD + "arm_angle: up\n", "arm_angle"),
     "list": ("- 1\n- 2\n", "mapping"),
     "measurements list": (GOOD.split("measurements")[0] + "measurements: [1, 2]\n", "measurements"),
@@ -86,7 +90,7 @@ def test_bad_files_are_refused_with_file_and_reason(tmp_path, name):
 
 def test_unknown_names_and_endings():
     with pytest.raises(FileError, match="woman-88"):
-        read_mannequin("woman-89")
+        read_mannequin("woman-89x")
     with pytest.raises(FileError, match="ending"):
         read_mannequin("body.txt")
 

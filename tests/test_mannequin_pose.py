@@ -6,10 +6,9 @@ import pytest
 from garmentcad.errors import MannequinError
 from garmentcad.io.mannequin_file import read_human
 from garmentcad.mannequin import pose
-from garmentcad.mannequin.fit import fit_weights
-from garmentcad.mannequin.human import Shape
+from garmentcad.mannequin.grade import standing_body
 from garmentcad.mannequin.sizes import full_sizes
-from garmentcad.mannequin.stand import stand, wanted_heights
+from garmentcad.mannequin.stand import wanted_heights
 from garmentcad.mannequin.tapes import taped
 
 
@@ -17,8 +16,7 @@ from garmentcad.mannequin.tapes import taped
 def standing():
     model = read_human("woman")
     sizes = full_sizes("woman", {"bust": 880})
-    body, _ = stand(model, model.shape(fit_weights(model, sizes)), sizes)
-    return model, body, wanted_heights("woman", sizes)
+    return model, standing_body(model, sizes), wanted_heights("woman", sizes)
 
 
 def test_arm_turns_rigidly_below_the_shoulder(standing):
@@ -54,17 +52,3 @@ def test_angles_out_of_range_are_refused(standing, angle):
     model, body, _ = standing
     with pytest.raises(MannequinError, match="25 to 60"):
         pose.pose_arms(model, body, angle)
-
-
-def test_parts_that_come_too_near_are_named(standing):
-    model, body, _ = standing
-    pose.check_apart(model, body)
-    points = body.points.copy()
-    leg = np.unique(model.part_faces("leg"))
-    points[leg, 0] -= (points[leg, 0] > 0) * 0.06
-    with pytest.raises(MannequinError, match="leg and leg"):
-        pose.check_apart(model, Shape(points, body.joints))
-    points = body.points.copy()
-    points[model.arm_weight > 0.9, 0] -= 0.20
-    with pytest.raises(MannequinError, match="arm and torso"):
-        pose.check_apart(model, Shape(points, body.joints))

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from garmentcad.errors import FabricError
-from garmentcad.fabric.law_tension import tension
+from garmentcad.fabric.law_tension import loading
 from garmentcad.fabric.material import MaterialRow, MaterialTable, material_row, material_table
 from garmentcad.fabric.missing import complete
 from garmentcad.fabric.sheet import KesSheet, sheet_from, sheet_sha256
@@ -24,6 +24,10 @@ DATA: dict[str, Any] = {
     "LT": {"warp": 1.0, "weft": 0.7},
     "EMT": {"warp": 5.0, "weft": 8.0},
     "G": {"warp": 0.6, "weft": 0.4},
+    "2HG": {"warp": 0.8, "weft": 0.7},
+    "2HG5": {"warp": 1.1, "weft": 0.94},
+    "2HB": {"warp": 0.06, "weft": 0.05},
+    "RT": {"warp": 60.0, "weft": 50.0},
     "B": {"warp": 0.12, "weft": 0.08, "bias": 0.1},
     "MIU": 0.2,
 }
@@ -41,7 +45,12 @@ def test_si_values_by_hand() -> None:
     assert row.tension_exponent[0] == pytest.approx(0.0, abs=1e-9)
     assert row.tension_slope[0] == pytest.approx(490.3325 / 0.05)
     assert row.strain_limit[0] == pytest.approx(0.075)  # linear: 1.5 Fm at 1.5 em
-    assert row.shear == pytest.approx(28.095, abs=0.005)  # 0.5 gf/(cm.deg), 56.19 N/m per rad each
+    assert row.shear == pytest.approx(0.47 * 56.1879, rel=1e-5)  # 0.5 - (1.02 - 0.75)/9 gf/(cm.deg), 56.19 N/m per rad each
+    assert row.shear_friction == pytest.approx((0.5 * 0.75 * 0.980665, 0.5 * 1.02 * 0.980665))
+    assert row.shear_way == pytest.approx(row.shear_friction[0] / (10.0 * row.shear))
+    assert row.tension_friction == pytest.approx((0.2, 0.25))
+    assert row.bending_friction == pytest.approx((0.03 * 9.80665e-3, 0.025 * 9.80665e-3))
+    assert row.twist_friction == 0.0
     assert row.bending == pytest.approx((0.12 * 9.80665e-5, 0.08 * 9.80665e-5))
     assert row.twist == pytest.approx(0.05 * 9.80665e-5)  # 0.1 - (0.12 + 0.08)/4
     assert row.thickness == pytest.approx(6e-4)
@@ -52,7 +61,7 @@ def test_weft_curve_carries_one_and_a_half_fm_at_its_limit() -> None:
     row = material_row(completed())
     arguments = (row.tension_strain[1], row.tension_force[1], row.tension_exponent[1], row.tension_slope[1])
     assert row.strain_limit[1] > row.tension_strain[1]
-    assert tension(row.strain_limit[1], *arguments)[0] == pytest.approx(1.5 * 490.3325, rel=1e-12)
+    assert loading(row.strain_limit[1], *arguments)[0] == pytest.approx(1.5 * 490.3325, rel=1e-12)
     assert 2 / arguments[2] - 2 / math.expm1(arguments[2]) == pytest.approx(0.7, rel=1e-12)
 
 
@@ -64,11 +73,14 @@ def test_off_axis_bending_of_the_table_is_the_bias_of_the_sheet() -> None:
 
 
 def test_factors_multiply() -> None:
-    row, plain = material_row(completed(), {"B": 2, "B.warp": 1.5, "W": 3, "MIU": 0.5, "G.warp": 2.0, "EMT": 0.5}), material_row(completed())
+    factors = {"B": 2, "B.warp": 1.5, "W": 3, "MIU": 0.5, "G.warp": 2.0, "EMT": 0.5, "2HG": 2.0, "2HG5": 2.0, "2HB": 3.0}
+    row, plain = material_row(completed(), factors), material_row(completed())
     assert np.divide(row.bending, plain.bending) == pytest.approx((3.0, 2.0))
     assert row.areal_mass == pytest.approx(0.6)
     assert row.friction_cloth == pytest.approx(0.13)
-    assert row.shear / plain.shear == pytest.approx((2 * 0.6 + 0.4) / 1.0)
+    assert row.shear == pytest.approx((0.5 * (2 * 0.6 + 0.4) - 2 * 0.03) * 56.1879, rel=1e-5)
+    assert np.divide(row.shear_friction, plain.shear_friction) == pytest.approx((2.0, 2.0))
+    assert np.divide(row.bending_friction, plain.bending_friction) == pytest.approx((3.0, 3.0))
     assert row.tension_strain == pytest.approx((0.025, 0.04))
     assert row.twist == pytest.approx((0.2 - (0.36 + 0.16) / 4) * 9.80665e-5)
 
@@ -79,6 +91,16 @@ def test_factors_that_are_refused(factors: dict[str, Any]) -> None:
         material_row(completed(), factors)
 
 
+def test_more_resilience_than_all_is_refused() -> None:
+    assert material_row(completed(), {"RT": 1.6}).tension_friction[0] == pytest.approx(0.02)
+    with pytest.raises(FabricError, match="at most 100 %"):
+        material_row(completed(), {"RT": 1.7})
+
+
+def test_a_loop_that_widens_faster_than_it_rises_leaves_a_tenth_of_the_slope() -> None:
+    assert material_row(completed(), {"2HG5": 9.0}).shear == pytest.approx(0.05 * 56.1879, rel=1e-5)
+
+
 def test_a_sheet_with_gaps_is_refused() -> None:
     with pytest.raises(FabricError, match="complete the sheet first"):
         material_row(sheet_from(DATA | {"G": {"warp": 0.5}}))
@@ -87,7 +109,7 @@ def test_a_sheet_with_gaps_is_refused() -> None:
 def test_calibrated_law_stands_in_only_for_its_own_sheet() -> None:
     law = {"sheet_sha256": sheet_sha256(completed()), "values": {"G.warp": 0.7, "B.weft": 0.1}}
     row = material_row(completed(law=law), {"G": 2.0})
-    assert row.shear == pytest.approx(2 * 0.55 * 56.1879, rel=1e-5)
+    assert row.shear == pytest.approx((2 * 0.55 - 0.03) * 56.1879, rel=1e-5)
     assert row.bending[1] == pytest.approx(0.1 * 9.80665e-5)
     assert material_row(completed(law=law, W=21.0)).bending == material_row(completed()).bending
 

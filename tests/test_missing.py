@@ -58,7 +58,7 @@ EXPECTED = [
     ({}, "G.warp", 0.6, "0.03 W"),
     ({"G": {"warp": 1.0}}, "G.weft", 1.0, "equal to warp"),
     ({"G": 1.2}, "G.weft", 1.2, "mean of warp and weft"),
-    ({"G": 2.0}, "2HG.warp", 3.0, "1.5 degrees x G"),
+    ({"G": 2.0}, "2HG.warp", 4.0, "2 degrees x G"),
     ({"HG5": {"weft": 3.32}}, "2HG.weft", 2.0, "2HG5/1.66"),
     ({"HG5": 3.32}, "2HG.warp", 2.0, "2HG5/1.66 of the mean"),
     ({"HG": {"warp": 2.0}}, "2HG.weft", 2.0, "equal to warp"),

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from garmentcad.analysis.penetration import penetration_mm, signed_distances
+from garmentcad.analysis.penetration import distances_and_normals, penetration_mm, signed_distances
 
 
 def bumpy(seed: int) -> trimesh.Trimesh:
@@ -24,10 +24,13 @@ def test_against_libigl(seed: int) -> None:
     rng = np.random.default_rng(seed + 10)
     near = body.vertices[rng.integers(0, len(body.vertices), 1500)] + rng.normal(0, 0.05, (1500, 3))
     points = np.concatenate([near, rng.uniform(-2, 2, (500, 3))])
-    expected = igl.signed_distance(points, np.asarray(body.vertices), np.asarray(body.faces), sign_type=igl.SIGNED_DISTANCE_TYPE_WINDING_NUMBER)[0]
-    ours = signed_distances(points, body.vertices, body.faces)
+    found = igl.signed_distance(points, np.asarray(body.vertices), np.asarray(body.faces), sign_type=igl.SIGNED_DISTANCE_TYPE_WINDING_NUMBER)
+    expected, closest = found[0], found[2]
+    ours, normals = distances_and_normals(points, body.vertices, body.faces)
     assert (expected < 0).sum() > 300
     np.testing.assert_allclose(ours, expected, atol=1e-12)
+    np.testing.assert_allclose(points - ours[:, None] * normals, closest, atol=1e-9)
+    np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1.0, atol=1e-9)
 
 
 def test_box_sides_edges_and_corners() -> None:
@@ -35,6 +38,11 @@ def test_box_sides_edges_and_corners() -> None:
     points = np.array([[0.0, 0, 0.9], [0, 0, 1.5], [2, 2, 0], [2, 2, 2], [1.0, 1.0, 0.3], [0.9, 0.95, 0.0], [1.0, 1.0, 1.0]])
     expected = [-0.1, 0.5, np.sqrt(2), np.sqrt(3), 0.0, -0.05, 0.0]
     np.testing.assert_allclose(signed_distances(points, box.vertices, box.faces), expected, atol=1e-15)
+    # on the surface no vector leads from the closest point: a face's normal serves
+    on = np.array([[1.0, 0.3, 0.2], [1.0, 1.0, 0.3], [-0.2, 0.1, -1.0]])
+    normals = distances_and_normals(on, box.vertices, box.faces)[1]
+    np.testing.assert_allclose(normals[[0, 2]], [[1.0, 0.0, 0.0], [0.0, 0.0, -1.0]], atol=1e-12)
+    assert sorted(normals[1].tolist()) == pytest.approx([0.0, 0.0, 1.0])
 
 
 def test_sphere_depth_at_particles_and_between_them() -> None:

@@ -7,10 +7,14 @@ import pytest
 
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.lattice import build_cloth
+from garmentcad.cloth.state import State
 from garmentcad.cloth.weld import weld
+from garmentcad.forces.assembly import ForceAssembly
+from garmentcad.forces.force import CURVES, NO_PARTICLE
+from garmentcad.forces.internal import internal_forces
 from garmentcad.simulation.job import make_job
 from garmentcad.simulation.materials import lay_out
-from garmentcad.simulation.refine import refined
+from garmentcad.simulation.refine import refined, refined_sliders
 from garmentcad.units import MM_TO_M
 
 JOB = make_job("flared-skirt", grid_mm=20.0)
@@ -27,6 +31,27 @@ def test_an_affine_shape_is_kept() -> None:
         return np.einsum("nk,nkx->nx", cloth.vertex_uv_mm * MM_TO_M, maps[cloth.vertex_panel]) + shifts[cloth.vertex_panel]
 
     np.testing.assert_allclose(refined(COARSE, mapped(COARSE), FINE), mapped(FINE), atol=1e-12)
+
+
+def test_internal_friction_is_carried_as_moment_and_stress() -> None:
+    """Stick springs drawn alike in every element of a curve are drawn as far on the fine lattice, whatever its strains are; and where they differ from panel to
+    panel, panel by panel."""
+    coarse, fine = (ForceAssembly(internal_forces(cloth, MATERIALS), cloth.particle_count) for cloth in (COARSE, FINE))
+    panels = len(COARSE.panel_names)
+    share = np.random.default_rng(4).uniform(-0.9, 0.9, (panels, len(CURVES)))
+    here, there = (np.column_stack([cloth.vertex_uv_mm * MM_TO_M, np.sin(cloth.vertex_uv_mm[:, 0] / 40.0) / 50.0]) for cloth in (COARSE, FINE))
+    state = State(here, np.zeros_like(here), friction=coarse.slack())
+    for force in coarse.forces:
+        gauge = force.gauge(here)
+        drawn = share[COARSE.vertex_panel[gauge.particle.astype(np.int64)], gauge.curve.astype(np.int64)]
+        state.friction[force.name][:] = np.where(gauge.particle != NO_PARTICLE, gauge.strain - drawn * gauge.way, state.friction[force.name])
+    found = refined_sliders(COARSE, coarse, state, FINE, fine, there)
+    for force in fine.forces:
+        gauge = force.gauge(there)
+        used = (gauge.particle != NO_PARTICLE) & (gauge.way > 0.0)
+        drawn = (gauge.strain - found[force.name])[used] / gauge.way[used]
+        expected = share[FINE.vertex_panel[gauge.particle[used].astype(np.int64)], gauge.curve[used].astype(np.int64)]
+        np.testing.assert_allclose(drawn, expected, atol=1e-9)
 
 
 def test_welded_vertices_share_one_place() -> None:

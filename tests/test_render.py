@@ -12,6 +12,7 @@ from hand_made import cylinder_body, rectangles, tube
 from garmentcad.errors import InputError
 from garmentcad.export.camera import frame
 from garmentcad.export.color_map import painted, round_up
+from garmentcad.export.legend import ticks
 from garmentcad.export.picture import ViewMissing, render_picture
 from garmentcad.export.raster import NOTHING, blank, draw_lines, draw_triangles
 from garmentcad.export.seam_lines import seam_and_free_edges
@@ -106,7 +107,7 @@ def test_unknown_view_and_map_are_refused(tmp_path: Path) -> None:
     cloth, positions = dress()
     with pytest.raises(InputError, match=r"top.*front, back"):
         render_picture(tmp_path / "a.png", positions, cloth, None, "top")
-    with pytest.raises(InputError, match=r"blocks.*strain, tension, pressure"):
+    with pytest.raises(InputError, match=r"blocks.*strain, .*tension, pressure"):
         painted("blocks", np.zeros(3))
 
 
@@ -123,6 +124,24 @@ def test_legend_ends_at_round_numbers() -> None:
     found = painted("strain", np.array([0.0, 0.01, 0.018]))
     assert (found.low, found.high) == (0.0, 2.0)
     assert found.colors()[0] == pytest.approx(found.kind.colors[0])
+
+
+def test_legend_has_round_numbers() -> None:
+    assert ticks(0.0, 8.0) == [0.0, 2.0, 4.0, 6.0, 8.0]
+    assert ticks(0.0, 1.5) == [0.0, 0.5, 1.0, 1.5]
+    assert ticks(0.0, 0.03) == pytest.approx([0.0, 0.01, 0.02, 0.03])
+    assert ticks(0.0, 73.0) == [0.0, 20.0, 40.0, 60.0]
+
+
+def test_scale_is_as_long_as_it_says(tmp_path: Path) -> None:
+    """The dark line at the foot of the legend says 50 mm: in pixels against the tube, which is 260 mm wide."""
+    image = pytest.importorskip("PIL.Image")
+    cloth, positions = dress()
+    path = render_picture(tmp_path / "map.png", positions, cloth, None, "front", "warp", np.zeros(cloth.particle_count), height_px=600)
+    pixels = np.asarray(image.open(path)).astype(int)
+    scale = np.flatnonzero((pixels[round(600 - 1.6 * 600 / 64), :96] < 120).all(axis=1))
+    tube_columns = 96 + np.flatnonzero(pixels[300, 96:, 0] - pixels[300, 96:, 2] > 8)
+    assert np.ptp(scale) / np.ptp(tube_columns) == pytest.approx(50.0 / 260.0, rel=0.03)
 
 
 def test_the_nearer_triangle_owns_a_pixel() -> None:

@@ -14,9 +14,11 @@ from hand_made import cylinder_body, materials, rectangles, tube
 from rich.console import Console
 
 from garmentcad.analysis.measures import Measures, measure
+from garmentcad.analysis.on_body import OnBody
 from garmentcad.analysis.pressure import contact_pressure
 from garmentcad.analysis.run_record import RunRecord
-from garmentcad.analysis.tributary import particle_areas
+from garmentcad.analysis.seam_tension import SeamTension
+from garmentcad.analysis.tributary import draped_areas
 from garmentcad.export.report import build_report, report_json, report_table, write_report
 
 # DESIGN section 5: "report.json holds at least".
@@ -29,7 +31,10 @@ PROMISED = [
     "seam_gap_mm.max", "mannequin_penetration_mm.max", "self_intersections", "mannequin_intersections", "pattern_ease_mm.bust",
     "pattern_ease_mm.waist", "pattern_ease_mm.hip", "ease_mm.bust", "ease_mm.waist", "ease_mm.hip", "hem_height_mm", "pressure_kpa.max",
     "pressure_kpa.mean_in_contact", "energy_j.stretch", "energy_j.shear", "energy_j.bend", "energy_j.gravity", "energy_j.friction_work",
-    "energy_j.damping_work", "uncalibrated", "warnings",
+    "energy_j.damping_work", "uncalibrated", "warnings", "strain_percent.bias.max", "strain_of_limit_percent.weft.max", "tension_n_m.weft.p99",
+    "body_girth_mm.waist", "ease_mm.top_arm_left", "ease_mm.thigh_right", "hem_uneven_mm", "pressure_kpa.p95", "friction_kpa.max", "support_n.weight",
+    "support_n.normal", "support_n.friction", "contact_area_m2", "distance_mm.p50", "seam_tension",
+    "energy_j.internal_friction_work",
 ]  # fmt: skip
 
 
@@ -57,7 +62,8 @@ def run_record() -> RunRecord:
         mannequin_penetration_mm=0.0,
         self_intersections=0,
         mannequin_intersections=0,
-        energy_j={"stretch": 0.1, "shear": 0.1, "bend": 0.1, "gravity": -1.0, "friction_work": 0.2, "damping_work": 0.3, "air": 0.0},
+        energy_j={"stretch": 0.1, "shear": 0.1, "bend": 0.1, "gravity": -1.0, "friction_work": 0.2}
+        | {"internal_friction_work": -0.1, "damping_work": 0.3, "air": 0.0},
         uncalibrated=True,
         warnings=("an estimate",),
     )
@@ -70,8 +76,10 @@ def tube_measures(broken: bool = False) -> Measures:
     if broken:
         positions[7] = np.nan
     normal = positions * [1.0, 0.0, 1.0] / 0.15
-    pressure = contact_pressure(-0.2 * normal, normal, np.full(len(positions), 1e-3), 1e-3, particle_areas(cloth))
-    return measure(cloth, positions, materials(), cylinder_body(), {"hem": ["front.hem", "back.hem"]}, pressure=pressure)
+    distance = np.full(len(positions), 1e-3)
+    pressure = contact_pressure(-0.2 * normal, normal, distance, 1e-3, draped_areas(cloth, positions))
+    seams = {"side 0": SeamTension(600.0, 12.0, 20.0, 3.0), "side 1": None}
+    return measure(cloth, positions, materials(), cylinder_body(), {"hem": ["front.hem", "back.hem"]}, on_body=OnBody(distance, pressure), seams=seams)
 
 
 def value(report: dict, path: str):
@@ -92,7 +100,11 @@ def test_every_promised_key_and_the_figures_of_a_tube() -> None:
     assert report["strain_percent"]["warp"]["max"] == pytest.approx(0.0, abs=1e-6)
     assert report["strain_over_limit_percent"] == 0.0  # 4.7 % along weft, the limit is 8 %
     assert report["hem_height_mm"] == pytest.approx(630.0)
-    assert report["pressure_kpa"]["max"] == pytest.approx(0.2 / 1000.0 / (0.015**2 / 2.0), rel=1e-6)  # rim particles stand for half a cell
+    assert report["pressure_kpa"]["max"] == pytest.approx(0.2 / 1000.0 / (0.015 * chord / 60 / 2.0), rel=1e-6)  # rim: half a cell, as draped
+    assert report["distance_mm"] == {"p5": 1.0, "p50": 1.0, "p95": 1.0, "max": 1.0}
+    assert report["support_n"]["weight"] == pytest.approx(9.81 * report["mass_kg"])
+    assert report["seam_tension"] == {"side 0": {"length_mm": 600.0, "mean_n_m": 12.0, "max_n_m": 20.0, "along_n_m": 3.0}, "side 1": None}
+    assert report["tension_n_m"]["warp"]["max"] == pytest.approx(0.0, abs=1e-6)
     assert (report["particles"], report["triangles"], report["panels"]) == (41 * 60, 4800, 2)
 
 

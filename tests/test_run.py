@@ -46,6 +46,21 @@ def test_comes_to_rest_clean(draped: tuple[Path, dict]) -> None:  # type: ignore
     assert all(distance < 15.0 for distance in report["armhole_to_shoulder_mm"].values())
 
 
+def test_the_body_carries_the_garment(draped: tuple[Path, dict]) -> None:  # type: ignore[type-arg]
+    """Pressure and friction on the body sum to the weight; `garmentcad fit` prints the same figures and lines besides."""
+    folder, report = draped
+    support = report["support_n"]
+    assert support["weight"] == pytest.approx(9.81 * report["mass_kg"])
+    assert support["normal"] + support["friction"] == pytest.approx(support["weight"], rel=0.01)
+    run = subprocess.run(
+        [sys.executable, "-m", "garmentcad", "fit", str(folder), "--line", "chest=1204", "--json"], capture_output=True, text=True, timeout=100, check=True
+    )
+    fit = json.loads(run.stdout)
+    assert fit["support_n"] == support
+    # the bust line once more, by the way that any plane is measured
+    assert fit["lines"]["chest"]["torso"]["ease_mm"] == pytest.approx(report["ease_mm"]["bust"], abs=0.5)
+
+
 def test_judges_that_are_not_ours_agree(draped: tuple[Path, dict]) -> None:  # type: ignore[type-arg]
     folder, _ = draped
     garment = trimesh.load(folder / "garment.obj", process=False, maintain_order=True)

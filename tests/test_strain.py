@@ -8,18 +8,20 @@ import numpy as np
 import pytest
 from hand_made import flat, materials, rectangles
 
+from garmentcad.analysis.maps import fabric_maps
 from garmentcad.analysis.strain import (
+    bias_strain,
+    of_limit_percent,
     particle_mean,
     share_over_limit_percent,
-    strain_map,
     strain_percentiles,
     trellis,
     trellis_summary,
     weighted_quantile,
     yarn_strain,
 )
-from garmentcad.analysis.tension import tension_map, tension_n_m
-from garmentcad.analysis.tributary import particle_areas, triangle_areas
+from garmentcad.analysis.tension import carried_strain, tension_n_m, tension_summary
+from garmentcad.analysis.tributary import draped_areas
 from garmentcad.cloth.cloth import WARP, WEFT
 
 
@@ -71,8 +73,10 @@ def test_area_of_elements_is_the_cloth_in_both_directions() -> None:
         for direction in (WARP, WEFT):
             assert yarn_strain(cloth, flat(cloth), direction).area.sum() == pytest.approx(28e-4)
         assert trellis(cloth, flat(cloth)).area.sum() == pytest.approx(28e-4)
-        assert particle_areas(cloth).sum() == pytest.approx(28e-4)
-        assert triangle_areas(cloth) == pytest.approx(np.full(56, 0.5e-4))
+        assert draped_areas(cloth, flat(cloth)).sum() == pytest.approx(28e-4)
+        assert draped_areas(cloth, flat(cloth) * [1.1, 0.9, 1.0]).sum() == pytest.approx(0.99 * 28e-4)
+    corner, side, middle = draped_areas(cloth := rectangles(7, 4, 0.01, 1, sewn=False), flat(cloth))[[0, 1, 9]]
+    assert [corner, side, middle] == pytest.approx([0.25e-4, 0.5e-4, 1e-4])
 
 
 def test_half_of_the_cloth_over_its_limit() -> None:
@@ -89,9 +93,9 @@ def test_half_of_the_cloth_over_its_limit() -> None:
 
 def test_map_of_a_uniform_strain_is_uniform_across_seams() -> None:
     cloth = rectangles(6, 6, 0.01, 2, sewn=True)
-    warp, weft = (yarn_strain(cloth, np.zeros((cloth.particle_count, 3)), direction) for direction in (WARP, WEFT))
+    warp = yarn_strain(cloth, np.zeros((cloth.particle_count, 3)), WARP)
     assert particle_mean(warp, np.full(len(warp.strain), 0.03), cloth.particle_count) == pytest.approx(0.03)
-    assert strain_map(cloth, warp, weft) == pytest.approx(-1.0)
+    assert fabric_maps(cloth, np.zeros((cloth.particle_count, 3)), materials())["strain"] == pytest.approx(-1.0)
 
 
 def test_quantiles_are_weighted() -> None:
@@ -121,8 +125,48 @@ def test_tension_follows_the_tensile_curve() -> None:
     assert force(0.05, material=1) == pytest.approx(490.33 / 2.0)
 
 
-def test_tension_map_takes_the_larger_direction() -> None:
+def test_maps_take_the_larger_direction() -> None:
     cloth = rectangles(4, 4, 0.01, 1, sewn=False)
-    positions = flat(cloth) * [1.06, 1.0, 1.0]
-    warp, weft = (yarn_strain(cloth, positions, direction) for direction in (WARP, WEFT))
-    assert tension_map(cloth, warp, weft, materials()) == pytest.approx(490.33)
+    maps = fabric_maps(cloth, flat(cloth) * [1.06, 1.02, 1.0], materials())
+    assert maps["tension"] == pytest.approx(490.33)
+    assert (maps["strain"], maps["warp"], maps["weft"]) == (pytest.approx(0.06), pytest.approx(0.02), pytest.approx(0.06))
+    assert maps["limit"] == pytest.approx(0.75)  # weft 6 of 8 %, warp 2 of 5 %
+    found = tension_summary(cloth, flat(cloth) * [1.06, 1.02, 1.0], materials(), WEFT)
+    assert found == {"p50": pytest.approx(490.33), "p99": pytest.approx(490.33), "max": pytest.approx(490.33)}
+
+
+def test_tension_of_the_border_is_that_of_its_patches() -> None:
+    """A zigzag of the middle row: single triangles are strained one way and the other, their means around each particle are not."""
+    cloth = rectangles(2, 2, 0.01, 1, sewn=False, border=True)
+    positions = flat(cloth)
+    positions[4, 1] += 2e-4
+    single = yarn_strain(cloth, positions, WARP).strain
+    assert (single.min(), single.max()) == pytest.approx((-0.02, 0.02))
+    around_middle = np.flatnonzero((cloth.particle_triangles == 4).any(axis=1))
+    carried = carried_strain(cloth, positions, WARP)
+    at_middle = carried.strain[carried.particles[:, 0] == 4]
+    assert at_middle == pytest.approx(single[around_middle].mean(), abs=1e-12)
+    assert carried.area.sum() == pytest.approx(4e-4)
+
+
+@pytest.mark.parametrize("border", [False, True])
+def test_bias_strain(border: bool) -> None:
+    """Simple shear of angle g: the diagonals of a unit square become sqrt((1 +- tan g)^2 + 1). Equal stretch of both yarns stretches the bias alike."""
+    cloth = rectangles(8, 6, 0.01, 1, sewn=False, border=border)
+    stretched = strain_percentiles(*bias_strain(cloth, flat(cloth) * [1.03, 1.03, 1.0]))
+    assert list(stretched.values()) == pytest.approx([3.0] * 4, abs=1e-9)
+    positions, slope = flat(cloth), 0.1
+    positions[:, 0] += slope * positions[:, 1]
+    one, other = bias_strain(cloth, positions)
+    longer, shorter = (math.sqrt((1.0 + sign * slope) ** 2 + 1.0) / math.sqrt(2.0) - 1.0 for sign in (1.0, -1.0))
+    assert one.strain == pytest.approx(longer)
+    assert other.strain == pytest.approx(shorter)
+    assert one.area.sum() == pytest.approx(48e-4)
+    assert fabric_maps(cloth, positions, materials())["bias"].max() == pytest.approx(longer)
+
+
+def test_strain_of_the_fabric_s_own_limit() -> None:
+    cloth = rectangles(4, 8, 0.01, 1, sewn=False)
+    positions = flat(cloth) * [0.99, 1.06, 1.0]
+    warp, weft = yarn_strain(cloth, positions, WARP), yarn_strain(cloth, positions, WEFT)
+    assert of_limit_percent(warp, weft, materials()) == {"warp": {"p99": pytest.approx(120.0), "max": pytest.approx(120.0)}, "weft": {"p99": 0.0, "max": 0.0}}

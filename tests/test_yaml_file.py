@@ -118,7 +118,7 @@ def test_byte_order_mark_and_windows_lines() -> None:
 
 words = st.text(st.characters(codec="ascii"), max_size=8)
 plain = st.recursive(
-    st.none() | st.booleans() | st.integers(-10**15, 10**15) | st.floats(allow_nan=False, allow_infinity=False) | words,
+    st.none() | st.booleans() | st.integers(-(10**15), 10**15) | st.floats(allow_nan=False, allow_infinity=False) | words,
     lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.from_regex(r"[a-z]{1,5}\Z"), inner, max_size=4),
     max_leaves=20,
 )

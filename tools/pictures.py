@@ -12,7 +12,7 @@ from garmentcad.cloth.lattice import rectangle_cloth
 from garmentcad.cloth.state import State
 from garmentcad.contact.contact import Contact
 from garmentcad.export.picture import render_picture
-from garmentcad.fabric.material import material_row, material_table
+from garmentcad.fabric.material import material_row, material_table, softened
 from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
@@ -57,8 +57,7 @@ def swatch(kind: str, fabric: str) -> Path:
     positions += 1e-5 * np.random.default_rng(0).standard_normal(positions.shape)
 
     def forces_at(softness: float) -> ForceAssembly:
-        softer = materials._replace(tension_force=materials.tension_force / softness, tension_slope=materials.tension_slope / softness)
-        return ForceAssembly(internal_forces(cloth, softer), cloth.particle_count, [ForceGravity(cloth.masses)])
+        return ForceAssembly(internal_forces(cloth, softened(materials, softness)), cloth.particle_count, [ForceGravity(cloth.masses)])
 
     body = ball(0.06) if kind == "ball" else None
     contact = Contact(cloth, materials, None if body is None else (body.vertices, body.faces))

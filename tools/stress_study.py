@@ -20,7 +20,6 @@ import numpy as np
 import trimesh
 
 from garmentcad import __version__
-from garmentcad.analysis.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
 from garmentcad.arrays import floats, indices
 from garmentcad.bench import cloth_on_ball
 from garmentcad.cloth.cloth import Cloth
@@ -33,6 +32,7 @@ from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
 from garmentcad.geometry.curve import Line
+from garmentcad.geometry.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
 from garmentcad.io.atomic import write_atomic
 from garmentcad.pattern.pattern import Edge, EdgeUse, Panel, Pattern, Seam, Transform
 from garmentcad.simulation.course import AIR_DRAG
@@ -405,7 +405,7 @@ JUDGES = """Every scene is moved by the stepper in true dynamics: true masses, a
 laws of workload W1 (2000 N/m, 0.15 kg/m2) and is 1 mm thick, the least gap; friction is 0.05 to 0.3.
 
 A frame is judged every 10 ms: whether body and cloth, as one mesh, intersect anywhere (`ipctk.has_intersections`), how many pairs of triangles cross
-(`analysis/intersection.py`: exact signs, and no code of the solver's contact), how deep the cloth is in the body (libigl, at particles and at three points of
+(`geometry/intersection.py`: exact signs, and no code of the solver's contact), how deep the cloth is in the body (libigl, at particles and at three points of
 each triangle). In the middle of the action 200 steps in a row are recorded, and `ipctk.is_step_collision_free` tests the way of all nodes in each of them.
 
 Wall time is that of the motion without the judges, on one thread of a shared machine."""

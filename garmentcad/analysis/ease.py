@@ -3,6 +3,7 @@
 At each height that the mannequin gives (bust, waist, hip) the garment is cut level. Of the closed loops that go around the torso axis the shortest counts,
 which is the layer next to the body: a fold that hangs over it, a second layer, or a sleeve (which does not go around the axis) does not change the figure.
 Its length in space is the draped girth; the same line on the flat pattern, segment by segment, is the pattern girth, the one that a pattern maker drafted.
+Around a limb the loop that goes around that limb alone counts, in the plane in which the limb was taped.
 """
 
 from __future__ import annotations
@@ -11,12 +12,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from garmentcad.analysis.body_line import LIMB_LINES, limb_lines
+from garmentcad.analysis.plane_fit import loops_in_plane
 from garmentcad.analysis.section import Chain, cut, horizontal
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.units import M_TO_MM, MM_TO_M
 
 GIRTHS = ("bust", "waist", "hip")
+EASE_LINES = (*GIRTHS, *LIMB_LINES)
 # A waistband ends at the waist: where the plane at the height itself finds no whole loop, the nearest of these levels that does is taken, and named.
 LEVEL_STEP_MM = 5.0
 LEVEL_REACH_MM = 25.0
@@ -33,11 +37,12 @@ class Girth:
 
 @dataclass(frozen=True)
 class Ease:
-    """Ease at one girth of the body, mm, and the level at which the garment was cut."""
+    """Ease at one girth of the body, mm, that girth, and the level at which the garment was cut (None where the plane is not level)."""
 
+    body_mm: float
     draped_mm: float
     pattern_mm: float
-    level_mm: float
+    level_mm: float | None
 
 
 def girth_at(cloth: Cloth, positions: np.ndarray, axis: np.ndarray, height_mm: float) -> Girth | None:
@@ -61,7 +66,7 @@ def girth_near(cloth: Cloth, positions: np.ndarray, axis: np.ndarray, height_mm:
 
 
 def garment_ease(cloth: Cloth, positions: np.ndarray, mannequin: Mannequin) -> dict[str, Ease | None]:
-    """Ease at those of bust, waist and hip that the mannequin has (a ball has none); None where the garment does not reach. positions: (P,3) m."""
+    """Ease at those of EASE_LINES that the mannequin has (a ball has none); None where the garment does not reach. positions: (P,3) m."""
     found: dict[str, Ease | None] = {}
     for name in GIRTHS:
         if name not in mannequin.measurements_mm:
@@ -69,5 +74,9 @@ def garment_ease(cloth: Cloth, positions: np.ndarray, mannequin: Mannequin) -> d
         axis = mannequin.cylinders["torso"].origin
         girth = girth_near(cloth, positions, axis, mannequin.measurements_mm[f"{name}_height"])
         body = mannequin.measurements_mm[name]
-        found[name] = None if girth is None else Ease(girth.draped_mm - body, girth.pattern_mm - body, girth.level_mm)
+        found[name] = None if girth is None else Ease(body, girth.draped_mm - body, girth.pattern_mm - body, girth.level_mm)
+    for line in limb_lines(mannequin):
+        loops = [loop for loop in loops_in_plane(cloth, positions, mannequin, line.plane) if loop.parts == (line.part,)]
+        level = M_TO_MM * line.plane.offset if line.plane.normal[1] == 1.0 else None
+        found[line.name] = Ease(loops[0].body_mm, loops[0].ease_mm, loops[0].pattern_ease_mm, level) if loops else None
     return found

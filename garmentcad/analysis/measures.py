@@ -11,24 +11,45 @@ from garmentcad.analysis.carried import Carried, carried
 from garmentcad.analysis.ease import Ease, garment_ease
 from garmentcad.analysis.folds import fold_angles_deg
 from garmentcad.analysis.hem import HemHeight, hem_height
-from garmentcad.analysis.pressure import ContactPressure
-from garmentcad.analysis.strain import AXES, share_over_limit_percent, strain_map, strain_percentiles, trellis, trellis_summary, yarn_strain
-from garmentcad.analysis.tension import tension_map
+from garmentcad.analysis.maps import fabric_maps
+from garmentcad.analysis.on_body import OnBody
+from garmentcad.analysis.pressure import CONTACT_KEYS, SUPPORT_KEYS
+from garmentcad.analysis.seam_tension import SeamTension
+from garmentcad.analysis.strain import (
+    AXES,
+    bias_strain,
+    of_limit_percent,
+    share_over_limit_percent,
+    strain_percentiles,
+    trellis,
+    trellis_summary,
+    weighted_quantile,
+    yarn_strain,
+)
+from garmentcad.analysis.tension import tension_summary
+from garmentcad.analysis.tributary import draped_areas
 from garmentcad.cloth.cloth import WARP, WEFT, Cloth
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.mannequin.mannequin import Mannequin
+from garmentcad.units import GRAVITY_M_S2, M_TO_MM
 
 HEM = "hem"
+DISTANCE_KEYS = ("p5", "p50", "p95", "max")
 
 
 @dataclass(frozen=True)
 class Measures:
-    """Numbers for the report and, in `maps`, one value a particle (P,) for the pictures: strain (no unit), tension (N/m), pressure (kPa)."""
+    """Numbers for the report and, in `maps`, one value a particle (P,) for the pictures (see `fabric_maps`; pressure and friction in kPa, distance in mm).
+
+    Dicts hold the report's keys: strain_percent warp, weft and bias; tension_n_m warp and weft; distance_mm of the cloth from the body, by its area.
+    """
 
     particles: int
     triangles: int
     panels: int
     strain_percent: dict[str, dict[str, float | None]]
+    strain_of_limit_percent: dict[str, dict[str, float | None]]
+    tension_n_m: dict[str, dict[str, float | None]]
     trellis_deg: dict[str, float | None]
     strain_over_limit_percent: float | None
     ease: dict[str, Ease | None]
@@ -37,6 +58,11 @@ class Measures:
     fold_deg: dict[str, float | None]
     mass_kg: float
     pressure_kpa: dict[str, float | None]
+    friction_kpa: dict[str, float | None]
+    support_n: dict[str, float | None]
+    contact_area_m2: float | None
+    distance_mm: dict[str, float | None]
+    seams: dict[str, SeamTension | None]
     maps: dict[str, np.ndarray] = field(default_factory=dict)
 
 
@@ -47,7 +73,8 @@ def measure(
     mannequin: Mannequin | None,
     roles: Mapping[str, Sequence[str]] | None = None,
     placed: np.ndarray | None = None,
-    pressure: ContactPressure | None = None,
+    on_body: OnBody | None = None,
+    seams: dict[str, SeamTension | None] | None = None,
     folds: Mapping[str, np.ndarray] | None = None,
 ) -> Measures:
     """Measure a garment at positions (P,3) m. roles: role of edges -> keys of `Cloth.edge_vertices`; placed: (V,3) m of the vertices before sewing; folds: see
@@ -56,27 +83,67 @@ def measure(
     Positions that are not finite (a diverged run) give a record whose values are None.
     """
     roles = {} if roles is None else roles
-    counts = (cloth.particle_count, len(cloth.triangles), len(cloth.panel_names))
     if not np.isfinite(positions).all():
-        nothing: dict[str, float | None] = dict.fromkeys(("p50", "p99", "max", "min"))
-        no_trellis: dict[str, float | None] = dict.fromkeys(("p99", "max", "over_8_percent"))
-        no_pressure: dict[str, float | None] = dict.fromkeys(("max", "mean_in_contact"))
-        no_strain, mass_kg = {axis: dict(nothing) for axis in AXES}, float(cloth.masses.sum())
-        return Measures(*counts, no_strain, no_trellis, None, {}, None, None, dict.fromkeys(folds or ()), mass_kg, no_pressure)
-    warp, weft = yarn_strain(cloth, positions, WARP), yarn_strain(cloth, positions, WEFT)
-    maps = {"strain": strain_map(cloth, warp, weft), "tension": tension_map(cloth, warp, weft, materials)}
-    if pressure is not None:
-        maps["pressure"] = pressure.kpa
+        return _nothing(cloth, folds or {})
+    warp, weft = (yarn_strain(cloth, positions, direction) for direction in (WARP, WEFT))
+    maps = fabric_maps(cloth, positions, materials)
+    if on_body is not None:
+        maps |= {"pressure": on_body.pressure.kpa, "friction": on_body.pressure.friction_kpa, "distance": M_TO_MM * on_body.distance_m}
+    pressure = None if on_body is None else on_body.pressure
+    mass = float(cloth.masses.sum())
     return Measures(
-        *counts,
-        strain_percent={axis: strain_percentiles(part) for axis, part in zip(AXES, (warp, weft))},
+        cloth.particle_count,
+        len(cloth.triangles),
+        len(cloth.panel_names),
+        strain_percent={"warp": strain_percentiles(warp), "weft": strain_percentiles(weft), "bias": strain_percentiles(*bias_strain(cloth, positions))},
+        strain_of_limit_percent=of_limit_percent(warp, weft, materials),
+        tension_n_m={axis: tension_summary(cloth, positions, materials, direction) for axis, direction in zip(AXES, (WARP, WEFT))},
         trellis_deg=trellis_summary(trellis(cloth, positions)),
         strain_over_limit_percent=share_over_limit_percent(warp, weft, materials),
         ease={} if mannequin is None else garment_ease(cloth, positions, mannequin),
         hem=hem_height(cloth, positions, roles.get(HEM, ())),
         carried=None if mannequin is None or placed is None else carried(cloth, placed, positions, mannequin, roles),
         fold_deg=fold_angles_deg(cloth, positions, folds or {}),
-        mass_kg=float(cloth.masses.sum()),
-        pressure_kpa={"max": None, "mean_in_contact": None} if pressure is None else pressure.summary(),
+        mass_kg=mass,
+        pressure_kpa=dict.fromkeys(CONTACT_KEYS) if pressure is None else pressure.summary(),
+        friction_kpa=dict.fromkeys(CONTACT_KEYS) if pressure is None else pressure.friction_summary(),
+        support_n=dict.fromkeys(SUPPORT_KEYS) if pressure is None else pressure.support_n(GRAVITY_M_S2 * mass),
+        contact_area_m2=None if pressure is None else pressure.contact_area_m2(),
+        distance_mm=dict.fromkeys(DISTANCE_KEYS) if on_body is None else _distances(on_body.distance_m, draped_areas(cloth, positions)),
+        seams={} if seams is None else seams,
         maps=maps,
+    )
+
+
+def _distances(distance_m: np.ndarray, area: np.ndarray) -> dict[str, float | None]:
+    quantiles = {f"p{percent}": weighted_quantile(distance_m, area, percent / 100.0) for percent in (5, 50, 95)}
+    found = quantiles | {"max": float(distance_m.max())}
+    return {key: None if value is None else M_TO_MM * value for key, value in found.items()}
+
+
+def _nothing(cloth: Cloth, folds: Mapping[str, np.ndarray]) -> Measures:
+    """Of positions that are not finite."""
+    counts = (cloth.particle_count, len(cloth.triangles), len(cloth.panel_names))
+
+    def none(*keys: str) -> dict[str, float | None]:
+        return dict.fromkeys(keys)
+
+    return Measures(
+        *counts,
+        strain_percent={axis: none("p50", "p99", "max", "min") for axis in (*AXES, "bias")},
+        strain_of_limit_percent={axis: none("p99", "max") for axis in AXES},
+        tension_n_m={axis: none("p50", "p99", "max") for axis in AXES},
+        trellis_deg=none("p99", "max", "over_8_percent"),
+        strain_over_limit_percent=None,
+        ease={},
+        hem=None,
+        carried=None,
+        fold_deg=dict.fromkeys(folds),
+        mass_kg=float(cloth.masses.sum()),
+        pressure_kpa=none(*CONTACT_KEYS),
+        friction_kpa=none(*CONTACT_KEYS),
+        support_n=none(*SUPPORT_KEYS),
+        contact_area_m2=None,
+        distance_mm=none(*DISTANCE_KEYS),
+        seams={},
     )

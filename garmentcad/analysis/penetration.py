@@ -12,15 +12,23 @@ from garmentcad.arrays import floats, indices, kernel, parallel_kernel
 from garmentcad.units import M_TO_MM
 
 _CLUSTER = 4  # faces in a box
+_ON_SURFACE = 1e-9  # m
+_FACE = 6  # the feature of a foot that lies inside a face
 _FAN = 16  # boxes in a larger box, of which there are two levels
 # Barycentric weights of the three points in which a triangle is sampled beside its corners.
 _SAMPLES = np.array([[2 / 3, 1 / 6, 1 / 6], [1 / 6, 2 / 3, 1 / 6], [1 / 6, 1 / 6, 2 / 3]])
 
 
 def signed_distances(points: np.ndarray, vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """(N,) distance of points (N,3) from a closed surface, negative inside; faces (F,3) counter-clockwise seen from outside.
+    """(N,) distance of points (N,3) from a closed surface, negative inside; see `distances_and_normals`."""
+    return distances_and_normals(points, vertices, faces)[0]
 
-    The sign comes from the pseudo-normal of the closest feature (Baerentzen and Aanaes 2005).
+
+def distances_and_normals(points: np.ndarray, vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Distance (N,) of points (N,3) from a closed surface, negative inside, and the unit vector (N,3) along which it grows, from the closest point outward;
+    faces (F,3) counter-clockwise seen from outside.
+
+    The sign comes from the pseudo-normal of the closest feature (Baerentzen and Aanaes 2005). A point on the surface has the normal of a face there.
     """
     points, vertices, faces = floats(points), floats(vertices), indices(faces)
     corners = vertices[faces]
@@ -29,9 +37,9 @@ def signed_distances(points: np.ndarray, vertices: np.ndarray, faces: np.ndarray
     small = _boxes_around(np.concatenate([sorted_corners.min(axis=1), sorted_corners.max(axis=1)], axis=1), _CLUSTER)
     middle = _boxes_around(small, _FAN)
     large = _boxes_around(middle, _FAN)
-    out = np.empty(len(points))
+    out = np.empty((len(points), 4))
     _signed(points, sorted_corners, small, middle, large, floats(_pseudo_normals(vertices, faces)[order]), out)
-    return out
+    return out[:, 0].copy(), out[:, 1:].copy()
 
 
 def penetration_mm(
@@ -59,12 +67,6 @@ def _boxes_around(boxes: np.ndarray, count: int) -> np.ndarray:
     """Boxes (K,6), low and high corner, around each `count` following boxes (N,6)."""
     starts = np.arange(0, len(boxes), count)
     return floats(np.concatenate([np.minimum.reduceat(boxes[:, :3], starts, axis=0), np.maximum.reduceat(boxes[:, 3:], starts, axis=0)], axis=1))
-
-
-def vertex_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """(V,3) unit normals of a surface at its vertices: those of the faces around, weighted with their angles."""
-    normals = _angle_sums(vertices, faces, _face_normals(vertices[faces]))
-    return normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
 
 
 def _pseudo_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
@@ -128,7 +130,7 @@ def _foot(corners, face, x, y, z):  # type: ignore[no-untyped-def]
             feature = i if t == 0.0 else (j if t == 1.0 else 3 + k)
     if over:
         height = (nx * (x - corners[face, 0, 0]) + ny * (y - corners[face, 0, 1]) + nz * (z - corners[face, 0, 2])) / square
-        return height * nx, height * ny, height * nz, 6
+        return height * nx, height * ny, height * nz, _FACE
     return bx, by, bz, feature
 
 
@@ -144,24 +146,29 @@ def _nearest_box(boxes, first, count, x, y, z):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _closest_in(box, x, y, z, corners, normals, best, sign):  # type: ignore[no-untyped-def]
-    """Squared distance from the nearest face so far and the side of it, after the faces of a small box."""
+def _closest_in(box, x, y, z, corners, normals, best, out):  # type: ignore[no-untyped-def]
+    """Squared distance from the nearest face so far, after the faces of a small box; that face's signed distance and direction go into out (4,)."""
     for face in range(box * _CLUSTER, min((box + 1) * _CLUSTER, len(corners))):
         rx, ry, rz, feature = _foot(corners, face, x, y, z)
         gap2 = rx * rx + ry * ry + rz * rz
         if gap2 < best:
-            facing = rx * normals[face, feature, 0] + ry * normals[face, feature, 1] + rz * normals[face, feature, 2]
-            best, sign = gap2, -1.0 if facing < 0.0 else 1.0
-    return best, sign
+            best, gap = gap2, math.sqrt(gap2)
+            nx, ny, nz = normals[face, feature, 0], normals[face, feature, 1], normals[face, feature, 2]
+            out[0] = -gap if rx * nx + ry * ny + rz * nz < 0.0 else gap
+            if gap > _ON_SURFACE:
+                out[1], out[2], out[3] = rx / out[0], ry / out[0], rz / out[0]
+            else:
+                out[1], out[2], out[3] = normals[face, _FACE, 0], normals[face, _FACE, 1], normals[face, _FACE, 2]
+    return best
 
 
 @kernel
-def _signed_one(x, y, z, corners, small, middle, large, normals):  # type: ignore[no-untyped-def]
+def _signed_one(x, y, z, corners, small, middle, large, normals, out):  # type: ignore[no-untyped-def]
     # First down to a near box, so that few of the others remain.
     first = _nearest_box(large, 0, len(large), x, y, z)
     first = _nearest_box(middle, first * _FAN, _FAN, x, y, z)
     first = _nearest_box(small, first * _FAN, _FAN, x, y, z)
-    best, sign = _closest_in(first, x, y, z, corners, normals, math.inf, 1.0)
+    best = _closest_in(first, x, y, z, corners, normals, math.inf, out)
     for a in range(len(large)):
         if _box_gap2(large, a, x, y, z) > best:
             continue
@@ -170,11 +177,10 @@ def _signed_one(x, y, z, corners, small, middle, large, normals):  # type: ignor
                 continue
             for c in range(b * _FAN, min((b + 1) * _FAN, len(small))):
                 if c != first and _box_gap2(small, c, x, y, z) <= best:
-                    best, sign = _closest_in(c, x, y, z, corners, normals, best, sign)
-    return sign * math.sqrt(best)
+                    best = _closest_in(c, x, y, z, corners, normals, best, out)
 
 
 @parallel_kernel
 def _signed(points, corners, small, middle, large, normals, out):  # type: ignore[no-untyped-def]
     for n in prange(len(points)):
-        out[n] = _signed_one(points[n, 0], points[n, 1], points[n, 2], corners, small, middle, large, normals)
+        _signed_one(points[n, 0], points[n, 1], points[n, 2], corners, small, middle, large, normals, out[n])

@@ -15,7 +15,7 @@ class RunRecord:
     status: `intersecting` includes penetration of the mannequin. wall_time_s: setup, drape, total. rest: max_speed_m_s, rms_speed_m_s, kinetic_j_per_kg,
     residual_g_rms. constraints: max_gap_mm, max_speed_m_s, conflicting (list of names). seam_gap_mm: largest gap at the instant of welding.
     mannequin_penetration_mm: deepest point, 0 if none. self_intersections, mannequin_intersections: triangle pairs. energy_j: stretch, shear, bend, gravity,
-    friction_work, damping_work. uncalibrated: the fabric's law values are the sheet's own. None stands for what was not measured.
+    friction_work, internal_friction_work, damping_work. uncalibrated: the fabric's law values are the sheet's own. None stands for what was not measured.
     """
 
     garment: str

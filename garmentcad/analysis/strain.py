@@ -1,6 +1,7 @@
 """Strain of a draped garment along its yarns, measured on positions alone (nothing of the solver's bookkeeping is read).
 
 Warp and weft strain e = length / rest length - 1 of every link and, in the border strip, |u| - 1 and |w| - 1 of every triangle's own warp and weft vector.
+Bias strain alike, of both diagonals of every cell and of (w + u)/sqrt(2) and (w - u)/sqrt(2) of every border triangle.
 Trellis angle: asin(u.w / (|u||w|)), the angle by which warp and weft have left the square. Percentiles and shares are weighted by the area of cloth
 that an element stands for: link length x width, triangle and cell area.
 """
@@ -20,10 +21,10 @@ TRELLIS_LIMIT_DEG = 8.0  # the end of the KES-FB1 shear test: beyond it the law 
 
 @dataclass(frozen=True)
 class YarnStrain:
-    """Strain along one yarn direction of E elements (links, then border triangles).
+    """Strain of E elements along one direction of the fabric.
 
-    strain: (E,); area: (E,) m2; material: (E,) rows of the material table; particles: (E,3) int32 the element's particles (a link repeats its second
-    end) and share: (E,3) the part of its area that goes to each of them.
+    strain: (E,); area: (E,) m2; material: (E,) rows of the material table; particles: (E,3) int32 the element's particles (one of two repeats its second)
+    and share: (E,3) the part of its area that goes to each of them.
     """
 
     strain: np.ndarray
@@ -54,8 +55,29 @@ def yarn_strain(cloth: Cloth, positions: np.ndarray, direction: int) -> YarnStra
         area=np.concatenate([rest * links.width[mine], border.area]),
         material=np.concatenate([links.material[mine], border.material]),
         particles=np.concatenate([ends[:, [0, 1, 1]], border.corners]),
-        share=np.concatenate([np.tile([0.5, 0.5, 0.0], (len(ends), 1)), np.full((len(border.area), 3), 1.0 / 3.0)]),
+        share=_shares(len(ends), len(border.area)),
     )
+
+
+def bias_strain(cloth: Cloth, positions: np.ndarray) -> tuple[YarnStrain, YarnStrain]:
+    """Strain of all cells and border triangles along the two bias directions, at +45 and -45 degrees between weft and warp."""
+    cells, border = cloth.cells, cloth.border
+    warp, weft = (_border_vector(cloth, positions, gradient) for gradient in (border.warp_gradient, border.weft_gradient))
+    found = []
+    for a, b, sign in ((0, 2, 1.0), (3, 1, -1.0)):
+        ends = cells.corners[:, [a, b]]
+        diagonal = np.linalg.norm(positions[ends[:, 1]] - positions[ends[:, 0]], axis=1) / cells.spacing
+        strip = np.linalg.norm(weft + sign * warp, axis=1)
+        found.append(
+            YarnStrain(
+                strain=np.concatenate([diagonal, strip]) / np.sqrt(2.0) - 1.0,
+                area=np.concatenate([cells.shear_area, border.area]),
+                material=np.concatenate([cells.material, border.material]),
+                particles=np.concatenate([ends[:, [0, 1, 1]], border.corners]),
+                share=_shares(len(ends), len(border.area)),
+            )
+        )
+    return found[0], found[1]
 
 
 def trellis(cloth: Cloth, positions: np.ndarray) -> Trellis:
@@ -67,13 +89,14 @@ def trellis(cloth: Cloth, positions: np.ndarray) -> Trellis:
     return Trellis(np.concatenate([cell, strip]), np.concatenate([cloth.cells.shear_area, border.area]))
 
 
-def strain_percentiles(strain: YarnStrain) -> dict[str, float | None]:
-    """{p50, p99, max, min} in percent; None for a cloth without such elements."""
+def strain_percentiles(*parts: YarnStrain) -> dict[str, float | None]:
+    """{p50, p99, max, min} in percent of all parts together; None for a cloth without such elements."""
+    strain, area = np.concatenate([part.strain for part in parts]), np.concatenate([part.area for part in parts])
     return {
-        "p50": _percent(weighted_quantile(strain.strain, strain.area, 0.50)),
-        "p99": _percent(weighted_quantile(strain.strain, strain.area, 0.99)),
-        "max": _percent(strain.strain.max() if len(strain.strain) else None),
-        "min": _percent(strain.strain.min() if len(strain.strain) else None),
+        "p50": _percent(weighted_quantile(strain, area, 0.50)),
+        "p99": _percent(weighted_quantile(strain, area, 0.99)),
+        "max": _percent(strain.max() if len(strain) else None),
+        "min": _percent(strain.min() if len(strain) else None),
     }
 
 
@@ -87,9 +110,23 @@ def trellis_summary(angles: Trellis) -> dict[str, float | None]:
     }
 
 
+def share_of_limit(part: YarnStrain, direction: int, materials: MaterialTable) -> np.ndarray:
+    """Strain over the fabric's own limit (E,) in `direction` (WARP or WEFT): 1 at the limit, the strain at 1.5 Fm; 0 for what is shorter than at rest."""
+    return np.maximum(part.strain, 0.0) / materials.strain_limit[part.material, direction]
+
+
+def of_limit_percent(warp: YarnStrain, weft: YarnStrain, materials: MaterialTable) -> dict[str, dict[str, float | None]]:
+    """{warp, weft: {p99, max}} of `share_of_limit` in percent."""
+    found = {}
+    for axis, direction, part in zip(AXES, (WARP, WEFT), (warp, weft)):
+        of_limit = share_of_limit(part, direction, materials)
+        found[axis] = {"p99": _percent(weighted_quantile(of_limit, part.area, 0.99)), "max": _percent(of_limit.max() if len(of_limit) else None)}
+    return found
+
+
 def share_over_limit_percent(warp: YarnStrain, weft: YarnStrain, materials: MaterialTable) -> float | None:
     """Percent of the elements' area whose strain exceeds the fabric's strain limit (`MaterialTable.strain_limit`) in its direction."""
-    over = [part.strain > materials.strain_limit[part.material, axis] for axis, part in ((WARP, warp), (WEFT, weft))]
+    over = [share_of_limit(part, axis, materials) > 1.0 for axis, part in ((WARP, warp), (WEFT, weft))]
     return _share(np.concatenate(over), np.concatenate([warp.area, weft.area]))
 
 
@@ -101,11 +138,6 @@ def particle_mean(part: YarnStrain, values: np.ndarray, particle_count: int) -> 
     return np.divide(mean, total, out=np.zeros(particle_count), where=total > 0.0)
 
 
-def strain_map(cloth: Cloth, warp: YarnStrain, weft: YarnStrain) -> np.ndarray:
-    """The larger of mean warp and mean weft strain around each particle (P,), no unit; negative where both are shorter than at rest."""
-    return np.maximum(*(particle_mean(part, part.strain, cloth.particle_count) for part in (warp, weft)))
-
-
 def weighted_quantile(values: np.ndarray, weights: np.ndarray, fraction: float) -> float | None:
     """Smallest value below or at which `fraction` of the weight lies; None without values."""
     if len(values) == 0:
@@ -114,6 +146,11 @@ def weighted_quantile(values: np.ndarray, weights: np.ndarray, fraction: float) 
     cumulated = np.cumsum(weights[order])
     place = np.searchsorted(cumulated, fraction * cumulated[-1] * (1.0 - 1e-12))
     return float(values[order[min(place, len(values) - 1)]])
+
+
+def _shares(pairs: int, triangles: int) -> np.ndarray:
+    """`YarnStrain.share` of elements of two particles, then of three."""
+    return np.concatenate([np.tile([0.5, 0.5, 0.0], (pairs, 1)), np.full((triangles, 3), 1.0 / 3.0)])
 
 
 def _border_vector(cloth: Cloth, positions: np.ndarray, gradient: np.ndarray) -> np.ndarray:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from garmentcad.analysis.strain import YarnStrain, particle_mean
-from garmentcad.cloth.cloth import WARP, WEFT, Cloth
+from garmentcad.analysis.strain import YarnStrain, weighted_quantile, yarn_strain
+from garmentcad.cloth.cloth import Cloth
 from garmentcad.fabric.material import MaterialTable
 
 
@@ -27,11 +27,28 @@ def tension_n_m(strain: np.ndarray, material: np.ndarray, materials: MaterialTab
     return fm * (curve + slope * (u - inside))
 
 
-def tension_map(cloth: Cloth, warp: YarnStrain, weft: YarnStrain, materials: MaterialTable) -> np.ndarray:
-    """The larger of mean warp and mean weft tension around each particle (P,), N/m."""
-    return np.maximum(
-        *(
-            particle_mean(part, tension_n_m(part.strain, part.material, materials, direction), cloth.particle_count)
-            for direction, part in ((WARP, warp), (WEFT, weft))
-        )
+def carried_strain(cloth: Cloth, positions: np.ndarray, direction: int) -> YarnStrain:
+    """Strain along `direction` (WARP or WEFT) that carries tension, at positions (P,3) m: of every link, and at every corner of every border triangle the mean
+    over the patch of triangles that the law averages, because single border triangles zigzag without force."""
+    yarns, border = yarn_strain(cloth, positions, direction), cloth.border
+    links = len(yarns.strain) - len(border.area)
+    patch_of = np.repeat(np.arange(len(border.patch_start) - 1), np.diff(border.patch_start))
+    area = border.area[border.patch_triangle]
+    sums = np.bincount(patch_of, area * yarns.strain[links:][border.patch_triangle], len(border.patch_start) - 1)
+    mean = sums / np.maximum(np.bincount(patch_of, area, len(sums)), 1e-300)
+    corners = border.corners.ravel()
+    return YarnStrain(
+        strain=np.concatenate([yarns.strain[:links], mean[border.patch.ravel()]]),
+        area=np.concatenate([yarns.area[:links], np.repeat(border.area / 3.0, 3)]),
+        material=np.concatenate([yarns.material[:links], border.patch_material[border.patch.ravel()]]),
+        particles=np.concatenate([yarns.particles[:links], np.repeat(corners[:, None], 3, axis=1)]),
+        share=np.concatenate([yarns.share[:links], np.tile([1.0, 0.0, 0.0], (len(corners), 1))]),
     )
+
+
+def tension_summary(cloth: Cloth, positions: np.ndarray, materials: MaterialTable, direction: int) -> dict[str, float | None]:
+    """{p50, p99, max} of the tension along `direction` (WARP or WEFT) at positions (P,3) m, N/m, weighted by area; None for a cloth without elements."""
+    part = carried_strain(cloth, positions, direction)
+    tension = tension_n_m(part.strain, part.material, materials, direction)
+    quantiles = {f"p{percent}": weighted_quantile(tension, part.area, percent / 100.0) for percent in (50, 99)}
+    return quantiles | {"max": float(tension.max()) if len(tension) else None}

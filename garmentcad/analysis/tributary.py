@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from garmentcad.cloth.cloth import Cloth
-from garmentcad.units import MM_TO_M
 
 
-def triangle_areas(cloth: Cloth) -> np.ndarray:
-    """Rest areas (F,) of the triangles on the pattern, m2."""
-    a, b, c = (cloth.vertex_uv_mm[cloth.triangles[:, corner]] * MM_TO_M for corner in range(3))
-    return 0.5 * np.abs((b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (b[:, 1] - a[:, 1]) * (c[:, 0] - a[:, 0]))
+def draped_areas(cloth: Cloth, positions: np.ndarray) -> np.ndarray:
+    """Area (P,) of each particle at positions (P,3) m, m2: a quarter of every cell around it and a third of every border triangle, over seams.
 
-
-def particle_areas(cloth: Cloth) -> np.ndarray:
-    """Rest area (P,) of each particle, m2: a third of every triangle around it, both sides of a seam included."""
-    third = triangle_areas(cloth) / 3.0
-    return np.bincount(cloth.particle_triangles.ravel(), weights=np.repeat(third, 3), minlength=cloth.particle_count)
+    As masses are shared; the triangles that stand for cells would give twice as much to a particle where their diagonals meet as to its neighbours.
+    """
+    cells, strip = positions[cloth.cells.corners], positions[cloth.border.corners]
+    of_cells = 0.5 * np.linalg.norm(np.cross(cells[:, 2] - cells[:, 0], cells[:, 3] - cells[:, 1]), axis=1)
+    of_strip = 0.5 * np.linalg.norm(np.cross(strip[:, 1] - strip[:, 0], strip[:, 2] - strip[:, 0]), axis=1)
+    corners = np.concatenate([cloth.cells.corners.ravel(), cloth.border.corners.ravel()])
+    shares = np.concatenate([np.repeat(0.25 * of_cells, 4), np.repeat(of_strip / 3.0, 3)])
+    return np.bincount(corners, weights=shares, minlength=cloth.particle_count)

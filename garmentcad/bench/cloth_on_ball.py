@@ -62,6 +62,7 @@ def linear_sheet() -> KesSheet:
         "T0": M_TO_MM * GAP_M,
         "Fm": _FM_GF_CM,
         "LT": 1.0,
+        "RT": 100.0,
         "EMT": 100.0 * _FM_GF_CM * GF_CM_TO_N_M / TENSION_N_M,
         "G": SHEAR_N_M_RAD / GF_CM_DEG_TO_N_M_RAD,
         "2HG": 0.0,

@@ -7,10 +7,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from garmentcad.analysis.intersection import crossing_triangle_pairs
 from garmentcad.analysis.penetration import signed_distances
 from garmentcad.check.finding import Finding
 from garmentcad.cloth.cloth import Cloth
+from garmentcad.geometry.intersection import crossing_triangle_pairs
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.pattern import EdgeUse, Pattern
 from garmentcad.pattern.runs import side_length

@@ -7,7 +7,7 @@ import sys
 import typer
 
 from garmentcad import __version__
-from garmentcad.cli import bench, check, drape, fabric, mannequin, output
+from garmentcad.cli import bench, check, compare, drape, fabric, fit, mannequin, output
 from garmentcad.errors import GarmentError, InputError
 
 EXIT_DONE, EXIT_FAULT, EXIT_REFUSED, EXIT_NOT_AT_REST, EXIT_ASSERTION = 0, 1, 2, 3, 4
@@ -21,6 +21,8 @@ app.command()(check.check)
 app.command()(bench.bench)
 app.command()(output.render)
 app.command()(output.export)
+app.command()(fit.fit)
+app.command()(compare.compare)
 app.add_typer(fabric.app, name="fabric")
 app.add_typer(mannequin.app, name="mannequin")
 

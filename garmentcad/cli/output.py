@@ -22,8 +22,14 @@ class View(StrEnum):
 class Map(StrEnum):
     none = "none"
     strain = "strain"
+    warp = "warp"
+    weft = "weft"
+    bias = "bias"
+    limit = "limit"
     tension = "tension"
     pressure = "pressure"
+    friction = "friction"
+    distance = "distance"
 
 
 def render(

@@ -66,6 +66,7 @@ class BendLines(NamedTuple):
     length_a: np.ndarray  # (B,) m at rest
     length_b: np.ndarray  # (B,) m at rest
     width: np.ndarray  # (B,) m
+    held: np.ndarray  # (B,) part of the sheet's bending friction that acts in the line: less over a fold
     direction: np.ndarray  # (B,) int32 direction of the line
     material: np.ndarray  # (B,) int32
 
@@ -88,6 +89,7 @@ class SeamHinges(NamedTuple):
     """
 
     corners: np.ndarray  # (H,4) int32
+    length: np.ndarray  # (H,) m
     length2_over_area: np.ndarray  # (H,) length^2 / (A_a + A_b), no unit
     rest_angle: np.ndarray  # (H,) rad, 0 is flat, positive folds toward the right side of the fabric
     factor: np.ndarray  # (H,) bend factor of the seam (layers of allowance)

@@ -63,6 +63,12 @@ def strengthened(folds: Folds, factor: np.ndarray, bends: BendLines, twist_area:
     return bends._replace(width=floats(bends.width * (1.0 + line))), floats(twist_area * (1.0 + cell))
 
 
+def held(folds: Folds, count: int) -> np.ndarray:
+    """(B,) part of the bending friction that acts in each of `count` lines: none within a fold. There cloth is bent far beyond where friction slips, over a few
+    thicknesses and not over cells; smeared over those it would hold tens of degrees. An estimate."""
+    return floats(1.0 - np.minimum(1.0, np.bincount(folds.line, folds.line_share, count)))
+
+
 def spans_beside(mesh: PanelMesh, spans: ContourSpans, fold_lines: tuple[FoldLine, ...], grain_deg: float) -> ContourSpans:
     """Spans that no fold crosses: a fold is a saw tooth to them."""
     strips = [strip.polygon for fold in fold_lines for strip in _strips(to_grain(fold.points_mm, grain_deg), mesh.spacing)]

@@ -15,7 +15,7 @@ from garmentcad.cloth.border import border_triangles
 from garmentcad.cloth.cloth import WARP, WEFT, BendLines, BorderTriangles, Cells, Cloth, ContourSpans, Folds, Links, SeamHinges
 from garmentcad.cloth.contour import Contour, sample_contours
 from garmentcad.cloth.contour_spans import contour_spans
-from garmentcad.cloth.folds import panel_folds, spans_beside, strengthened
+from garmentcad.cloth.folds import held, panel_folds, spans_beside, strengthened
 from garmentcad.cloth.panel_mesh import PARTICLE_CAP, PanelMesh, mesh_panel, to_panel
 from garmentcad.errors import InputError, LimitError, SpecError
 from garmentcad.fabric.material import MaterialTable
@@ -141,7 +141,7 @@ def no_hinges() -> SeamHinges:
     def none(*columns: int) -> np.ndarray:
         return frozen(np.empty((0, *columns)))
 
-    return SeamHinges(frozen(np.empty((0, 4), np.int32)), none(), none(), none(), frozen(np.empty((0, 2), np.int32)), none(2))
+    return SeamHinges(frozen(np.empty((0, 4), np.int32)), none(), none(), none(), none(), frozen(np.empty((0, 2), np.int32)), none(2))
 
 
 def _part(panel: Panel, mesh: PanelMesh, material_of: MaterialOf, materials: MaterialTable) -> _Part:
@@ -174,7 +174,7 @@ def _part(panel: Panel, mesh: PanelMesh, material_of: MaterialOf, materials: Mat
     links, spans = _links(mesh), spans_beside(mesh, contour_spans(mesh), panel.folds, panel.grain_deg)
     folds = panel_folds(mesh, bends, panel.folds, panel.grain_deg)
     bends, twist_area = strengthened(folds, np.array([fold.strength for fold in panel.folds]), bends, cells.twist_area)
-    cells = cells._replace(twist_area=twist_area)
+    bends, cells = bends._replace(held=held(folds, len(bends.width))), cells._replace(twist_area=twist_area)
     triangles, source = _contact_triangles(mesh)
     return _Part(
         uv,

@@ -10,12 +10,13 @@ import numpy as np
 
 @dataclass
 class State:
-    """positions, velocities: (P,3) m, m/s. friction: sliders of internal friction by law name (empty while the laws are elastic).
+    """positions, velocities: (P,3) m, m/s. friction: sliders of internal friction by name of force (empty before the first step).
 
     fold_angles: (F,) rad, to which each fold line of the cloth goes back when nothing else bends it; pressing moves them.
     constraint_speeds: (R,3) m/s, what the constraints demand of their gaps at this moment.
     contact: arrays of the detection clock and the candidate lists, by contact name; owned by the contacts, kept here so that a resumed run needs no
-    extra detection. work_j: work done so far by friction. phase and rest: bookkeeping of the run (names in simulation/).
+    extra detection. work_j: work done so far by the friction of contact and by internal friction. phase and rest: bookkeeping of the run (names in
+    simulation/).
     """
 
     positions: np.ndarray
@@ -28,7 +29,7 @@ class State:
     friction: dict[str, np.ndarray] = field(default_factory=dict)
     contact: dict[str, np.ndarray] = field(default_factory=dict)
     run: dict[str, float] = field(default_factory=dict)
-    work_j: dict[str, float] = field(default_factory=lambda: {"friction": 0.0})
+    work_j: dict[str, float] = field(default_factory=lambda: {"friction": 0.0, "internal_friction": 0.0})
     fold_angles: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     def sha256(self) -> str:

@@ -95,6 +95,7 @@ def _seam_hinges(cloth: Cloth, particle: np.ndarray) -> SeamHinges:
     lengths = 2.0 * areas * steepness
     return SeamHinges(
         corners=indices(np.concatenate([particle[ends[pairs[:, 0]]], particle[border.corners[rows, corner]]], axis=1)),
+        length=floats(lengths.mean(axis=1)),
         length2_over_area=floats(lengths.mean(axis=1) ** 2 / areas.sum(axis=1)),
         rest_angle=floats(cloth.seam_fold[seam]),
         factor=floats(cloth.seam_bend_factor[seam]),

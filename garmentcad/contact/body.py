@@ -8,14 +8,28 @@ from __future__ import annotations
 
 import numpy as np
 
+from garmentcad.cloth.cloth import Cloth
 from garmentcad.contact.bvh import EDGE_EDGE, TRIANGLE_POINT, fitted_tree, near_pairs, refit
 from garmentcad.contact.cloth import ClothElements
-from garmentcad.contact.elements import LEAST_GAP, elements, unique_edges
-from garmentcad.contact.surface import build_surface, bulge, convex_curvature
+from garmentcad.contact.elements import LEAST_GAP, elements, largest_around, unique_edges
+from garmentcad.contact.surface import Surface, build_surface, bulge, convex_curvature
+from garmentcad.fabric.material import MaterialTable
 
 CLEARANCE = 0.6e-3  # m, what a flat triangle keeps above the body's curve between its particles
 LARGEST_GAP = 0.4  # of the lattice spacing
 ELEMENT_GAP = 0.15e-3  # m, of body vertices and edges against cloth triangles and edges
+
+
+def _rise(surface: Surface, spacing: float) -> np.ndarray:
+    return np.asarray(CLEARANCE + 0.25 * spacing**2 * convex_curvature(surface))
+
+
+def kept_gap(cloth: Cloth, materials: MaterialTable, vertices: np.ndarray, faces: np.ndarray, nearest: np.ndarray) -> np.ndarray:
+    """Gap (P,) m that contact keeps between mid-surface and body at each particle of a cloth: half the fabric's thickness, at least 1 mm, more where the body
+    bulges. nearest: (P,) the body vertex next to each particle."""
+    own = np.maximum(0.5 * largest_around(cloth, materials.thickness), LEAST_GAP)
+    rise = _rise(build_surface(vertices, faces), cloth.spacing)[nearest]
+    return np.maximum(own, np.minimum(rise, LARGEST_GAP * cloth.spacing))
 
 
 class BodyElements:
@@ -29,7 +43,7 @@ class BodyElements:
         self.surface = build_surface(vertices, faces)
         count = len(self.surface.vertices)
         self.largest_gap = LARGEST_GAP * spacing
-        self.rise = CLEARANCE + 0.25 * spacing**2 * convex_curvature(self.surface)
+        self.rise = _rise(self.surface, spacing)
         kept = np.maximum(np.minimum(self.rise, self.largest_gap), LEAST_GAP)
         # Twice the element gap stays between a triangle at its particles' gap and the bulge, or the vertex is looked at by itself.
         sharp = bulge(self.surface, spacing / np.sqrt(2.0)) > kept - 2.0 * ELEMENT_GAP

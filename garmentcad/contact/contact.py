@@ -226,7 +226,7 @@ class Contact:
         """What the compiled `respond` needs; the arrays that change are the state's own."""
         pairs = load_pairs(state)
         if self._stand_for is not pairs.nodes:
-            self._stand, self._stand_for = room_for(pairs), pairs.nodes
+            self._stand, self._stand_for = room_for(pairs, self.nodes), pairs.nodes
         planes, pace = self._planes(state), state.contact["body_pace"]
         return self._surface, self._tree, self._largest, self._grip, planes, pairs, self._stand, pace, self._out
 

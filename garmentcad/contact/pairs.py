@@ -52,6 +52,7 @@ class Stand(NamedTuple):
     distance: np.ndarray  # (N,) m along the normal; negative for a pair that came through
     active: np.ndarray  # (N,) bool, may come below its gap in the step
     chosen: np.ndarray  # (N,) int32, room for the active ones
+    free: np.ndarray  # (nodes,3) m/s, room for the velocities of their nodes free of planes
 
 
 @kernel
@@ -168,6 +169,12 @@ def _impel(nodes, weights, impulse, planes, grip, motion, free):  # type: ignore
 
 
 @kernel
+def _copy_rows(nodes, source, target):  # type: ignore[no-untyped-def]
+    for node in nodes:
+        target[node, 0], target[node, 1], target[node, 2] = source[node, 0], source[node, 1], source[node, 2]
+
+
+@kernel
 def _give(nodes, weights, inverse_masses):  # type: ignore[no-untyped-def]
     """Change of the relative velocity for a unit impulse, 1/kg."""
     give = 0.0
@@ -183,8 +190,10 @@ def _solve(count, pairs, stand, planes, grip, motion):  # type: ignore[no-untype
     Returns the work of friction on the nodes, J.
     """
     _, velocities, inverse_masses, time_step = motion
-    chosen, many = stand.chosen, 0
-    free = velocities[: len(planes.held)].copy()
+    chosen, many, free = stand.chosen, 0, stand.free
+    for n in range(count):
+        if stand.active[n]:
+            _copy_rows(_row4(pairs.nodes, n), velocities, free)
     for n in range(count):
         if stand.active[n]:
             _enter(_row4(pairs.nodes, n), planes, grip, motion, free)
@@ -235,7 +244,9 @@ def _solve(count, pairs, stand, planes, grip, motion):  # type: ignore[no-untype
         p, q, r, s = _four(velocities, _row4(pairs.nodes, n))
         work += dot((pairs.impulse[n, 1], pairs.impulse[n, 2], pairs.impulse[n, 3]), combined(_row4(stand.weights, n), p, q, r, s))
     # The planes' own response follows, with their friction: it needs the velocities with which particles press on the body.
-    velocities[: len(free)] = free
+    for n in range(count):
+        if stand.active[n]:
+            _copy_rows(_row4(pairs.nodes, n), free, velocities)
     return work
 
 
@@ -374,10 +385,11 @@ def distances(nodes: np.ndarray, kind: np.ndarray, positions: np.ndarray) -> np.
     return found
 
 
-def room_for(pairs: Pairs) -> Stand:
-    """Room for where the pairs stand."""
+def room_for(pairs: Pairs, nodes: int) -> Stand:
+    """Room for where the pairs of so many nodes stand."""
     count = len(pairs.nodes)
-    return Stand(np.empty((count, 4)), np.empty((count, 3)), np.empty(count), np.empty(count, dtype=np.bool_), np.empty(count, dtype=np.int32))
+    active, chosen = np.empty(count, dtype=np.bool_), np.empty(count, dtype=np.int32)
+    return Stand(np.empty((count, 4)), np.empty((count, 3)), np.empty(count), active, chosen, np.empty((nodes, 3)))
 
 
 def make_pairs(vertex_triangle: np.ndarray, edge_edge: np.ndarray, gap: np.ndarray, friction: np.ndarray) -> Pairs:

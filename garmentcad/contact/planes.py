@@ -339,9 +339,7 @@ def respond_planes(surface, tree, largest, planes, grip, positions, velocities, 
     """
     count = len(planes.held)
     for chunk in prange(CHUNKS):
-        _respond_of(
-            chunk_range(chunk, count), (surface, tree, largest), planes, grip, (positions, velocities, inverse_masses, time_step), pace, out[chunk]
-        )
+        _respond_of(chunk_range(chunk, count), (surface, tree, largest), planes, grip, (positions, velocities, inverse_masses, time_step), pace, out[chunk])
 
 
 def fresh_planes(positions: np.ndarray, moving: bool) -> Planes:

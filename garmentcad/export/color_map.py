@@ -21,11 +21,19 @@ class MapKind:
 
 # Light where nothing happens, dark where much does; ordered in lightness, so they survive a grey printer and color-blind eyes.
 _WARM = ((0.96, 0.94, 0.89), (0.97, 0.80, 0.55), (0.93, 0.55, 0.33), (0.78, 0.27, 0.27), (0.45, 0.09, 0.25))
+_GREEN = ((0.20, 0.36, 0.25), (0.40, 0.60, 0.42), (0.68, 0.80, 0.60), (0.90, 0.92, 0.80), (0.97, 0.96, 0.92))
 _COOL = ((0.95, 0.95, 0.92), (0.70, 0.85, 0.83), (0.36, 0.68, 0.72), (0.16, 0.44, 0.60), (0.11, 0.20, 0.42))
 MAPS = {
     "strain": MapKind("strain along\nthe yarns", "%", 100.0, _WARM),
+    "warp": MapKind("strain\nalong warp", "%", 100.0, _WARM),
+    "weft": MapKind("strain\nalong weft", "%", 100.0, _WARM),
+    "bias": MapKind("strain along\nthe bias", "%", 100.0, _WARM),
+    "limit": MapKind("strain, of the\nfabric's limit", "%", 100.0, _WARM),
     "tension": MapKind("tension along\nthe yarns", "N/m", 1.0, _WARM),
     "pressure": MapKind("pressure\non the body", "kPa", 1.0, _COOL),
+    "friction": MapKind("friction\non the body", "kPa", 1.0, _COOL),
+    "apart": MapKind("distance\nfrom B", "mm", 1.0, _WARM),
+    "distance": MapKind("distance\nfrom body", "mm", 1.0, _GREEN),
 }
 TOP_PERCENTILE = 99.5
 

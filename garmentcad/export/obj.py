@@ -50,6 +50,27 @@ def _group_name(name: str) -> str:
     return "_".join(name.split())
 
 
+def read_garment_obj(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
+    """Positions (P,3) m and triangles (F,3) that `write_garment_obj` wrote, of whatever version. Raises MeshError for anything else."""
+    vertices: list[list[float]] = []
+    faces: list[list[int]] = []
+    try:
+        for line in Path(path).read_text(encoding="utf-8").splitlines():
+            keyword, *words = line.split() or ["#"]
+            if keyword == "v":
+                vertices.append([float(word) for word in words])
+            elif keyword == "f":
+                faces.append([int(word.partition("/")[0]) - 1 for word in words])
+        points, corners = floats(vertices).reshape(-1, 3), indices(faces).reshape(-1, 3)
+        if not (np.isfinite(points).all() and len(corners) and corners.min() >= 0 and corners.max() < len(points)):
+            raise ValueError("faces and vertices do not fit together")
+    except FileNotFoundError as error:
+        raise MeshError("no such file", file=str(path)) from error
+    except (OSError, ValueError, IndexError, OverflowError) as error:
+        raise MeshError(f"is not a garment written by garmentcad ({error})", file=str(path)) from error
+    return points, corners
+
+
 def read_mannequin_obj(path: str | Path) -> Mannequin:
     """The surface and parts that `write_mannequin_obj` wrote (no measurements, landmarks or cylinders). Raises MeshError for anything else."""
     vertices: list[list[float]] = []

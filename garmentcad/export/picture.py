@@ -68,8 +68,8 @@ def render_picture(
 ) -> Path:
     """Draw the garment at positions (P,3) m on its mannequin into a PNG file.
 
-    view: front, back, left, right, three-quarter. map_name: none, strain (values without unit), tension (N/m), pressure (kPa); values: (P,) one a particle,
-    as in `Measures.maps`. Raises ViewMissing without the extra, InputError for an unknown view or map.
+    view: front, back, left, right, three-quarter. map_name: none or a name of `color_map.MAPS`; values: (P,) one a particle, as in `Measures.maps`. Raises
+    ViewMissing without the extra, InputError for an unknown view or map.
     """
     painted_map = None
     if map_name != "none":
@@ -94,15 +94,38 @@ def render_pictures(
     scene = _scene(positions, cloth, mannequin, painted_map)
 
     def write(view: str) -> Path:
-        picture = image.fromarray(_draw(scene, cameras[view]))
-        if painted_map is not None:
-            legend.draw_legend(picture, painted_map)
         buffer = io.BytesIO()
-        picture.save(buffer, format="PNG", compress_level=COMPRESSION)
+        _finished(image, scene, cameras[view], painted_map).save(buffer, format="PNG", compress_level=COMPRESSION)
         return write_atomic(paths[view], buffer.getvalue())
 
     with ThreadPoolExecutor() as pool:
         return list(pool.map(write, paths))
+
+
+def draw_picture(positions: np.ndarray, cloth: Cloth, mannequin: Mannequin | None, painted_map: PaintedMap | None, camera: Camera) -> Any:
+    """The garment as a PIL image from a camera that is given, to be put beside others."""
+    return _finished(_module("PIL.Image"), _scene(positions, cloth, mannequin, painted_map), camera, painted_map)
+
+
+def _finished(image: Any, scene: _Scene, camera: Camera, painted_map: PaintedMap | None) -> Any:
+    picture = image.fromarray(_draw(scene, camera))
+    if painted_map is not None:
+        legend.draw_legend(picture, painted_map, camera.metres_a_pixel())
+    return picture
+
+
+def body_pixels(mannequin: Mannequin, view: str = "front", height_px: int = HEIGHT_PX) -> np.ndarray:
+    """The bare mannequin: pixels (height, width, 3) uint8. Raises InputError for an unknown view."""
+    scene = _Scene((_body_surface(mannequin, SkyLight(mannequin.vertices, mannequin.faces)),), ())
+    return _draw(scene, frame(view, mannequin.vertices, None, height_px))
+
+
+def render_body(path: str | Path, mannequin: Mannequin, view: str = "front", height_px: int = HEIGHT_PX) -> Path:
+    """Draw the bare mannequin into a PNG file; errors as in `render_picture`."""
+    image = _module("PIL.Image")
+    buffer = io.BytesIO()
+    image.fromarray(body_pixels(mannequin, view, height_px)).save(buffer, format="PNG", compress_level=COMPRESSION)
+    return write_atomic(path, buffer.getvalue())
 
 
 def _module(name: str) -> Any:
@@ -144,10 +167,14 @@ def _scene(positions: np.ndarray, cloth: Cloth, mannequin: Mannequin | None, pai
         _Surface(positions, triangles[:, ::-1], -normals, wrong, look, sky.on(positions, -normals)),
     ]
     if mannequin is not None:
-        normals = particle_normals(mannequin.vertices, mannequin.faces)
-        surfaces.append(_Surface(mannequin.vertices, mannequin.faces, normals, np.array(BODY), CLOTH_LOOK, sky.on(mannequin.vertices, normals)))
+        surfaces.append(_body_surface(mannequin, sky))
     seams, free = seam_and_free_edges(cloth)
     return _Scene(tuple(surfaces), ((positions, free, HEM, HEM_PX), (positions, seams, SEAM, SEAM_PX)))
+
+
+def _body_surface(mannequin: Mannequin, sky: SkyLight) -> _Surface:
+    normals = particle_normals(mannequin.vertices, mannequin.faces)
+    return _Surface(mannequin.vertices, mannequin.faces, normals, np.array(BODY), CLOTH_LOOK, sky.on(mannequin.vertices, normals))
 
 
 def _draw(scene: _Scene, camera: Camera) -> np.ndarray:
@@ -172,7 +199,7 @@ def _draw(scene: _Scene, camera: Camera) -> np.ndarray:
         on_screen = camera.on_screen(line_points, OVERSAMPLING)
         draw_lines(on_screen, edges, OVERSAMPLING * radius_px, radius_px * camera.metres_a_pixel(), len(shown) + k, nearness, owner)
     pixels = np.empty((camera.height, camera.width, 3), dtype=np.uint8)
-    flat = floats([color for _, _, color, _ in scene.lines])
+    flat = floats([color for _, _, color, _ in scene.lines]).reshape(-1, 3)
     shade(owner, seen, shown, floats(np.concatenate(normals)), floats(np.concatenate(colors)), floats(np.concatenate(looks)),
           _lamps(camera), flat, _background(camera.height), pixels)  # fmt: skip
     return pixels

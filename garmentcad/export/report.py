@@ -12,7 +12,7 @@ import numpy as np
 from rich.table import Table
 
 from garmentcad.analysis.carried import SIDES
-from garmentcad.analysis.ease import GIRTHS
+from garmentcad.analysis.ease import EASE_LINES
 from garmentcad.analysis.measures import Measures
 from garmentcad.analysis.run_record import RunRecord
 from garmentcad.io.atomic import write_atomic
@@ -23,7 +23,7 @@ NESTED = {
     "wall_time_s": ("setup", "drape", "total"),
     "rest": ("max_speed_m_s", "rms_speed_m_s", "kinetic_j_per_kg", "residual_g_rms"),
     "constraints": ("max_gap_mm", "max_speed_m_s", "conflicting"),
-    "energy_j": ("stretch", "shear", "bend", "gravity", "friction_work", "damping_work"),
+    "energy_j": ("stretch", "shear", "bend", "gravity", "friction_work", "internal_friction_work", "damping_work"),
 }
 SIGNIFICANT_DIGITS = 9
 STATUS_STYLE = {"converged": "green", "max_time": "yellow", "diverged": "red", "intersecting": "red"}
@@ -38,7 +38,7 @@ def build_report(record: RunRecord, measures: Measures) -> dict[str, Any]:
         missing = [key for key in keys if key not in getattr(record, name)]
         if missing:
             raise ValueError(f"RunRecord.{name} lacks {', '.join(missing)}")
-    eases = {name: measures.ease.get(name) for name in GIRTHS}
+    eases = {name: measures.ease.get(name) for name in EASE_LINES}
     hem = measures.hem
     report = {
         "schema": SCHEMA,
@@ -66,6 +66,8 @@ def build_report(record: RunRecord, measures: Measures) -> dict[str, Any]:
         "strain_percent": measures.strain_percent,
         "trellis_deg": measures.trellis_deg,
         "strain_over_limit_percent": measures.strain_over_limit_percent,
+        "strain_of_limit_percent": measures.strain_of_limit_percent,
+        "tension_n_m": measures.tension_n_m,
         "constraints": _ordered("constraints", record.constraints),
         "seam_gap_mm": {"max": record.seam_gap_mm},
         "mannequin_penetration_mm": {"max": record.mannequin_penetration_mm},
@@ -73,13 +75,20 @@ def build_report(record: RunRecord, measures: Measures) -> dict[str, Any]:
         "mannequin_intersections": record.mannequin_intersections,
         "pattern_ease_mm": {name: None if ease is None else ease.pattern_mm for name, ease in eases.items()},
         "ease_mm": {name: None if ease is None else ease.draped_mm for name, ease in eases.items()},
+        "body_girth_mm": {name: None if ease is None else ease.body_mm for name, ease in eases.items()},
         "ease_level_mm": {name: None if ease is None else ease.level_mm for name, ease in eases.items()},
         "hem_height_mm": None if hem is None else hem.mean_mm,
         "hem_range_mm": {"min": None if hem is None else hem.low_mm, "max": None if hem is None else hem.high_mm},
+        "hem_uneven_mm": None if hem is None else hem.uneven_mm,
         "waist_drop_mm": None if measures.carried is None else measures.carried.waist_drop_mm,
         "armhole_to_shoulder_mm": dict.fromkeys(SIDES) if measures.carried is None else measures.carried.armhole_to_shoulder_mm,
         "fold_deg": measures.fold_deg,
         "pressure_kpa": measures.pressure_kpa,
+        "friction_kpa": measures.friction_kpa,
+        "support_n": measures.support_n,
+        "contact_area_m2": measures.contact_area_m2,
+        "distance_mm": measures.distance_mm,
+        "seam_tension": {name: None if seam is None else vars(seam) for name, seam in measures.seams.items()},
         "energy_j": _ordered("energy_j", record.energy_j),
         "uncalibrated": record.uncalibrated,
         "warnings": list(record.warnings),
@@ -109,9 +118,10 @@ def report_table(report: Mapping[str, Any]) -> Table:
     wall = report["wall_time_s"]
     table.add_row("wall time", f"{_show(wall['setup'])} s setup, {_show(wall['drape'])} s drape, {_show(wall['total'])} s in all")
     table.add_row("rest", f"residual {_show(report['rest']['residual_g_rms'], 2)} g, RMS speed {_show(report['rest']['rms_speed_m_s'], 2)} m/s")
-    for name in GIRTHS:
-        if report["ease_mm"][name] is not None:
-            table.add_row(f"ease {name}", f"{report['ease_mm'][name]:+.1f} mm draped, {report['pattern_ease_mm'][name]:+.1f} mm on the pattern")
+    for name in EASE_LINES:
+        draped, drafted = report["ease_mm"][name], report["pattern_ease_mm"][name]
+        if draped is not None:
+            table.add_row(f"ease {name.replace('_', ' ')}", f"{draped:+.1f} mm draped, {drafted:+.1f} mm on the pattern")
     if report["hem_height_mm"] is not None:
         span = report["hem_range_mm"]
         table.add_row("hem height", f"{report['hem_height_mm']:.0f} mm ({span['min']:.0f} to {span['max']:.0f})")

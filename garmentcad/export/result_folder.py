@@ -79,10 +79,9 @@ def write_result_folder(folder: str | Path, result: Result, identity: Mapping[st
     return WrittenFolder(folder, tuple(files), tuple(notes))
 
 
-def read_result_folder(folder: str | Path) -> Result:
-    """Read a result folder. Raises FileError (or CheckpointError, MeshError) naming the file that is missing or torn."""
-    folder = Path(folder)
-    path = folder / "report.json"
+def read_report(folder: str | Path) -> dict[str, Any]:
+    """report.json of a result folder. Raises FileError where there is none, or something else."""
+    path = Path(folder) / "report.json"
     try:
         report = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError as error:
@@ -91,6 +90,13 @@ def read_result_folder(folder: str | Path) -> Result:
         raise FileError(f"is not JSON ({error})", file=str(path)) from error
     if not isinstance(report, dict) or "schema" not in report:
         raise FileError("is not a report of garmentcad", file=str(path))
+    return report
+
+
+def read_result_folder(folder: str | Path) -> Result:
+    """Read a result folder. Raises FileError (or CheckpointError, MeshError) naming the file that is missing or torn."""
+    folder = Path(folder)
+    report = read_report(folder)
     cloth = read_cloth(folder / "cloth.npz")
     state = load_state(folder / "state.npz")
     if state.positions.shape != (cloth.particle_count, 3):

@@ -15,9 +15,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
+from scipy.integrate import quad
 from scipy.optimize import brentq
 
-from garmentcad.fabric.law_tension import initial_slope, solve_exponent, tension, tension_energy
+from garmentcad.fabric.law_tension import initial_slope, loading, solve_exponent
 from garmentcad.fabric.law_values import law_numbers
 from garmentcad.fabric.sheet import KesSheet, KesValue
 
@@ -27,7 +28,7 @@ _LAMINATE = "laminate of fabric and interfacing, moduli 12 B/T0^2"
 
 
 class _Curve(NamedTuple):
-    """Arguments of `law_tension.tension` after the strain, Fm in the tester's unit."""
+    """Arguments of `law_tension.loading` after the strain, Fm in the tester's unit."""
 
     em: float
     fm: float
@@ -52,8 +53,8 @@ def fused(fabric: KesSheet, interfacing: KesSheet, factors: Mapping[str, float] 
     put("Fm", fm, "the larger one")
     for way in ("warp", "weft"):
         curves = [_curve(numbers, way) for numbers in (f, i)]
-        em = float(brentq(lambda e: sum(tension(e, *curve)[0] for curve in curves) - fm, 0.0, max(curve.em for curve in curves), xtol=1e-12))  # noqa: B023
-        energies = [tension_energy(em, *curve) for curve in curves]
+        em = float(brentq(lambda e: sum(loading(e, *curve)[0] for curve in curves) - fm, 0.0, max(curve.em for curve in curves), xtol=1e-12))  # noqa: B023
+        energies = [quad(lambda e, one=curve: loading(e, *one)[0], 0.0, em, points=[min(curve.em, em)])[0] for curve in curves]
         put(f"EMT.{way}", 100.0 * em, _PARALLEL)
         put(f"WT.{way}", sum(energies), _PARALLEL)
         put(f"LT.{way}", 2.0 * sum(energies) / (fm * em), _PARALLEL)

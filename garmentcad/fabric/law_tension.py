@@ -1,4 +1,6 @@
-"""Tension in warp or weft, elastic: the loading curve that the KES-FB1 tester prints.
+"""Tension in warp or weft: the loop that the KES-FB1 tester prints, loading curve F and unloading curve (RT/100) F.
+
+    T = F (1 - c + c (e - s)/d)  [N/m],  c = (1 - RT/100)/2,  d = WAY em    for e > 0;  T = F below   (internal_friction.py: H = c F, s the slider)
 
     F(e) = Fm (exp(x u) - 1)/(exp(x) - 1)  [N/m],  u = e/em     for 0 <= e <= em
     F(e) = k e,  k = Fm x/(em (exp(x) - 1))                     for e < 0 (repel): the initial slope
@@ -7,7 +9,8 @@
 em: strain at Fm (EMT/100); Fm: force per width at the end of the test [N/m]; x: exponent, solved from the linearity LT of the same sheet,
 LT = (energy up to em)/(Fm em/2) = 2/x - 2/(exp(x) - 1). x = 0 is linear (LT = 1), x > 0 stiffens (LT < 1), x < 0 softens (LT > 1).
 Inside the curve the tangent is k + (x/em) F, so that one exponential gives force and tangent, and none is needed outside.
-Source: definitions of LT and WT of the KES-FB1 tester (Kawabata 1980); the exponential is this project's choice of a curve with that LT.
+Cloth that was never stretched has its slider at -d: its first loading is F, the printed curve, from the first bit on.
+Source: definitions of LT, WT and RT of the KES-FB1 tester (Kawabata 1980); the exponential is this project's choice of a curve with that LT.
 """
 
 from __future__ import annotations
@@ -20,14 +23,17 @@ from scipy.optimize import brentq
 
 from garmentcad.arrays import kernel
 from garmentcad.errors import FabricError
+from garmentcad.fabric.internal_friction import dragged
 
 SMALL = 1e-4  # below this |x u| the series are exact to double precision and expm1(z) - z would cancel
 LARGEST_EXPONENT = 60.0  # LT 0.033 .. 1.967
+WAY = 0.1  # of em: the stick spring turns over a reversal of 0.2 em, an estimate
+_PLACES, _WEIGHTS = (tuple(map(float, column)) for column in np.polynomial.legendre.leggauss(10))
 
 
 @kernel
-def tension(strain: float, em: float, fm: float, exponent: float, slope: float) -> tuple[float, float]:
-    """Force per width [N/m] and tangent dF/de [N/m] at an engineering strain. `slope` is `initial_slope(em, fm, exponent)`."""
+def loading(strain: float, em: float, fm: float, exponent: float, slope: float) -> tuple[float, float]:
+    """F [N/m] and dF/de [N/m] at an engineering strain. `slope` is `initial_slope(em, fm, exponent)`."""
     if strain <= 0.0:
         return slope * strain, slope
     rate = exponent / em
@@ -43,8 +49,32 @@ def tension(strain: float, em: float, fm: float, exponent: float, slope: float) 
 
 
 @kernel
-def tension_energy(strain: float, em: float, fm: float, exponent: float, slope: float) -> float:
-    """Energy per area [J/m2]: the integral of `tension` from 0 to `strain`."""
+def tension(strain: float, slider: float, friction: float, em: float, fm: float, exponent: float, slope: float) -> tuple[float, float, float]:
+    """Force per width [N/m], its tangent [N/m] and the slider at an engineering strain. friction: c."""
+    force, tangent = loading(strain, em, fm, exponent, slope)
+    after = dragged(slider, strain, WAY * em)
+    if strain <= 0.0:
+        return force, tangent, after
+    rate = friction / (WAY * em)
+    share = 1.0 - friction + rate * (strain - after)
+    return share * force, share * tangent + (rate * force if after == slider else 0.0), after
+
+
+@kernel
+def tension_energy(strain: float, slider: float, friction: float, em: float, fm: float, exponent: float, slope: float) -> float:
+    """Stored energy per area [J/m2] at an engineering strain; the arguments are those of `tension`."""
+    after, stuck = dragged(slider, strain, WAY * em), 0.0
+    for a, b in ((min(max(after, 0.0), em), min(max(strain, 0.0), em)), (max(after, em), max(strain, em))):
+        for place, weight in zip(_PLACES, _WEIGHTS):
+            e = 0.5 * (a + b) + 0.5 * (b - a) * place
+            stuck += 0.5 * (b - a) * weight * loading(e, em, fm, exponent, slope)[0] * (e - after)
+    elastic = 1.0 - friction if strain > 0.0 else 1.0
+    return elastic * loading_energy(strain, em, fm, exponent, slope) + friction / (WAY * em) * stuck
+
+
+@kernel
+def loading_energy(strain: float, em: float, fm: float, exponent: float, slope: float) -> float:
+    """Energy per area [J/m2] that loading up to `strain` takes: the integral of `loading` from 0."""
     if strain <= 0.0:
         return 0.5 * slope * strain * strain
     inside = min(strain, em)
@@ -82,7 +112,7 @@ def solve_exponent(lt: float) -> float:
 
 
 def strain_at_force(force: float, em: float, fm: float, exponent: float) -> float:
-    """Strain at which the curve carries `force` [N/m]; the inverse of `tension`."""
+    """Strain at which the curve carries `force` [N/m]; the inverse of `loading`."""
     slope = float(initial_slope(em, fm, exponent))
     if force <= 0.0:
         return force / slope

@@ -37,7 +37,7 @@ QUANTITIES: dict[str, Quantity] = {
         Quantity("LT", "-", "linearity of the tensile curve", (0.15, 1.6), (0.4, 1.1), WAYS),
         Quantity("WT", "gf.cm/cm2", "tensile energy up to Fm", (0.05, 300.0), (1.0, 40.0), WAYS),
         Quantity("RT", "%", "tensile resilience, energy given back", (5.0, 100.0), (35.0, 85.0), WAYS, "RT is printed in percent"),
-        Quantity("EMT", "%", "strain at Fm", (0.2, 150.0), (1.0, 25.0), WAYS, "EMT is printed in percent"),
+        Quantity("EMT", "%", "strain at Fm", (0.2, 150.0), (1.0, 40.0), WAYS, "EMT is printed in percent"),
         Quantity("G", "gf/(cm.deg)", "shear stiffness", (0.02, 20.0), (0.15, 5.0), WAYS, "1 gf/(cm.deg) is 56.19 N/m per rad"),
         Quantity("2HG", "gf/cm", "shear hysteresis at 0.5 degrees", (0.0, 60.0), (0.1, 10.0), WAYS),
         Quantity("2HG5", "gf/cm", "shear hysteresis at 5 degrees", (0.0, 80.0), (0.2, 15.0), WAYS),
@@ -52,9 +52,7 @@ QUANTITIES: dict[str, Quantity] = {
     )
 }
 
-KEYS: tuple[str, ...] = tuple(
-    key for q in QUANTITIES.values() for key in ([q.name] if not q.directions else [f"{q.name}.{way}" for way in q.directions])
-)
+KEYS: tuple[str, ...] = tuple(key for q in QUANTITIES.values() for key in ([q.name] if not q.directions else [f"{q.name}.{way}" for way in q.directions]))
 
 
 def quantity_of(key: str) -> Quantity:

@@ -56,10 +56,20 @@ class ForceAssembly:
         self._views = [self._corner_forces[part] for part in self._parts]
         self._corner_stiffness = np.zeros(len(corners))
 
-    def add_up(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray) -> None:
-        """Total force on each particle [N] into out (P,3), from positions [m] and velocities [m/s], both (P,3)."""
+    def slack(self) -> dict[str, np.ndarray]:
+        """Sliders of cloth that was never strained, by name of force."""
+        return {force.name: force.slack() for force in self.forces}
+
+    def drawn(self, positions: np.ndarray, share: float) -> dict[str, np.ndarray]:
+        """Sliders that hold, by name of force: the stick springs drawn by a share (-1 to 1) of their way at these positions."""
+        gauges = {force.name: force.gauge(positions) for force in self.forces}
+        return {name: gauge.strain - share * gauge.way for name, gauge in gauges.items()}
+
+    def add_up(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray, sliders: dict[str, np.ndarray] | None = None) -> None:
+        """Total force on each particle [N] into out (P,3), from positions [m] and velocities [m/s], both (P,3). sliders: moved in place; None: `slack`."""
+        held = self.slack() if sliders is None else sliders
         for force, view in zip(self.forces, self._views):
-            force.write_forces(positions, velocities, view)
+            force.write_forces(positions, velocities, view, held[force.name])
         gather(self._starts, self._slots, self._corner_forces, out)
         for body_force in self.body_forces:
             body_force.add_forces(positions, velocities, out)
@@ -71,11 +81,13 @@ class ForceAssembly:
             force.add_forces(load, load, load)
         return Sums(self._starts, self._slots, self._corner_forces, -load[:, 1], masses)
 
-    def energy(self, positions: np.ndarray) -> dict[str, float]:
+    def energy(self, positions: np.ndarray, sliders: dict[str, np.ndarray] | None = None) -> dict[str, float]:
         """Stored energy [J] by law; a law that acts in several forces is added up."""
+        held = self.slack() if sliders is None else sliders
+        parts = [force.energies(positions, held[force.name]) for force in self.forces] + [force.energies(positions) for force in self.body_forces]
         total: dict[str, float] = {}
-        for force in self._all:
-            for law, energy in force.energies(positions).items():
+        for part in parts:
+            for law, energy in part.items():
                 total[law] = total.get(law, 0.0) + energy
         return total
 

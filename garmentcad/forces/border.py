@@ -4,8 +4,9 @@
     patch p (the triangles t around a vertex):  e_p = sum_t(A_t (|u_t| - 1))/sum_t(A_t), alike in the weft,  A_p = sum_t(A_t)/3
     E = sum_p A_p (f_warp(e_p) + f_weft(e_p)) + sum_t A_t g(gamma_t)   [J]
 
-f and g are the tensile and shear laws of the sheet. Averaging over patches keeps constant-strain triangles from locking in shear. The exact gradient is the
-patch stress pulled back: a triangle carries the mean stress of its three patches. Damping as in stretch.py and shear.py, on the rates of e_p and gamma_t.
+f and g are what the tensile and shear laws of the sheet store, each with its slider: two a patch, one a triangle. Averaging over patches keeps
+constant-strain triangles from locking in shear. The exact gradient is the patch stress pulled back: a triangle carries the mean stress of its three patches.
+Damping as in stretch.py and shear.py, on the rates of e_p and gamma_t.
 Source: patch averaging after nodally averaged triangles (Bonet and Burton 1998).
 """
 
@@ -20,13 +21,15 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from garmentcad.arrays import floats, indices, kernel, rows_by_key
 from garmentcad.cloth.cloth import WARP, WEFT, BorderTriangles, Cloth
-from garmentcad.fabric.law_shear import shear
+from garmentcad.fabric.internal_friction import dragged
+from garmentcad.fabric.law_shear import stick_stiffness
+from garmentcad.fabric.law_tension import WAY
 from garmentcad.fabric.material import MaterialTable
-from garmentcad.forces.force import OneLaw
+from garmentcad.forces.force import CURVES, Gauge, OneLaw
 from garmentcad.forces.rows import PART
-from garmentcad.forces.shear import SHORTEST, angle_and_lengths, shear_angle
+from garmentcad.forces.shear import SHORTEST, ShearCurves, angle_and_lengths, largest_shear_stiffness, shear_angle, shear_curves, shear_energy_at
 from garmentcad.forces.stretch import COEFFICIENTS, tension_coefficients, tension_force
-from garmentcad.forces.tension_curves import tension_at, tension_curves
+from garmentcad.forces.tension_curves import largest_tension_at, tension_curves, tension_energy_at
 
 
 class BorderParts(NamedTuple):
@@ -37,13 +40,16 @@ class BorderParts(NamedTuple):
     first_patch: np.ndarray  # (N+1,) int32 of the K patches of each part
     corners: np.ndarray  # (3,L) int32
     gradients: np.ndarray  # (4,L) 1/m of corners 1 and 2, warp and then weft; corner 0 has minus their sum
+    patch_of: np.ndarray  # (K,) int32 of the cloth's P patches
+    owned: np.ndarray  # (K,) bool: no part before holds this patch
+    patch_area: np.ndarray  # (K,) A_p, m2
     area: np.ndarray  # (T,) m2
-    stiffness: np.ndarray  # (T,) G, N/m per rad
+    shear: np.ndarray  # (4,T) G_e, the stick spring's two, N/m per rad; d, rad
     patch: np.ndarray  # (3,T) int32 in the part
     entry_first: np.ndarray  # (K+1,) int32 of the entries of each patch
     entry_triangle: np.ndarray  # (E,) int32 in the part
     entry_weight: np.ndarray  # (E,) area over the patch's area
-    tension: np.ndarray  # (6,K) coefficients of `tension_force`, warp and then weft
+    tension: np.ndarray  # (8,K) coefficients of `tension_force`, warp and then weft
 
 
 @kernel
@@ -90,10 +96,31 @@ def _mean_strains(span, parts, strains, means):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _stress_row(count, damping_time, rate, amplitude, em, strain, speed):  # type: ignore[no-untyped-def]
-    """Tension [N/m] of patches, in place of their strains."""
+def _load_sliders(span, patch_of, sliders, axis, held):  # type: ignore[no-untyped-def]
+    first, count = span
+    for p in range(count):
+        held[p] = sliders[2 * patch_of[first + p] + axis]
+
+
+@kernel
+def _keep_sliders(span, parts, held, gone, axis, sliders):  # type: ignore[no-untyped-def]
+    """Sliders of the patches that this part owns; returns the energy that they lost [J]. Parts that share a patch find the same for it."""
+    first, count = span
+    total = 0.0
+    for p in range(count):
+        if parts.owned[first + p]:
+            sliders[2 * parts.patch_of[first + p] + axis] = held[p]
+            total += parts.patch_area[first + p] * gone[p]
+    return total
+
+
+@kernel
+def _stress_row(count, damping_time, curves, first, held, means, gone):  # type: ignore[no-untyped-def]
+    """Tension [N/m] of patches in place of their strains, from strains and rates (2,K). Moves their sliders held (K,); energy lost per area into gone (K,)."""
+    rate, amplitude, em, stick = curves[0, first:], curves[1, first:], curves[2, first:], curves[3, first:]
+    strain, speed = means[0], means[1]
     for p in range(np.uint64(count)):
-        strain[p] = tension_force(strain[p], damping_time * speed[p], rate[p], amplitude[p], em[p])
+        strain[p], held[p], gone[p] = tension_force(strain[p], damping_time * speed[p], held[p], rate[p], amplitude[p], em[p], stick[p])
 
 
 @kernel
@@ -107,11 +134,13 @@ def _mean_stresses(span, patch, means, stresses):  # type: ignore[no-untyped-def
 
 
 @kernel
-def _force_row(span, damping_time, parts, first, edges, directions, stresses):  # type: ignore[no-untyped-def]
-    """Forces on corners 1 and 2 of triangles, in place of their edges; span: first of the L triangles, number; first: of the T triangles."""
-    begin, count = span
+def _force_row(span, damping_time, parts, sliders, edges, directions, stresses):  # type: ignore[no-untyped-def]
+    """Forces on corners 1 and 2 of triangles, in place of their edges, and the energy lost [J], in place of their warp stress; span: first of the L and of
+    the T triangles, number. Moves the sliders (T,) of shear."""
+    begin, first, count = span
     warp_b, warp_c, weft_b, weft_c = parts.gradients[0, begin:], parts.gradients[1, begin:], parts.gradients[2, begin:], parts.gradients[3, begin:]
-    area, stiffness = parts.area[first:], parts.stiffness[first:]
+    area, slider = parts.area[first:], sliders[first:]
+    stiffness, low, rise, way = parts.shear[0, first:], parts.shear[1, first:], parts.shear[2, first:], parts.shear[3, first:]
     bx, by, bz, cx, cy, cz = edges[0], edges[1], edges[2], edges[3], edges[4], edges[5]
     bu, bv, bw, cu, cv, cw = edges[6], edges[7], edges[8], edges[9], edges[10], edges[11]
     dx, dy, dz, ex, ey, ez = directions[0], directions[1], directions[2], directions[3], directions[4], directions[5]
@@ -123,23 +152,30 @@ def _force_row(span, damping_time, parts, first, edges, directions, stresses):  
         gamma, gux, guy, guz, gwx, gwy, gwz, _ = shear_angle(ux, uy, uz, wx, wy, wz)
         rate = gux * (g * bu[i] + h * cu[i]) + guy * (g * bv[i] + h * cv[i]) + guz * (g * bw[i] + h * cw[i])
         rate += gwx * (k * bu[i] + m * cu[i]) + gwy * (k * bv[i] + m * cv[i]) + gwz * (k * bw[i] + m * cw[i])
-        stress, tangent = shear(gamma, stiffness[i])
-        shearing = -area[i] * (stress + damping_time * tangent * rate)
+        after = dragged(slider[i], gamma, way[i])
+        held = gamma - after
+        shearing = -area[i] * (stiffness[i] * (gamma + damping_time * rate) + stick_stiffness(gamma, low[i], rise[i]) * held)
+        gone = area[i] * stick_stiffness(gamma - 0.5 * held, low[i], rise[i]) * way[i] * abs(after - slider[i])
+        slider[i] = after
         along_warp, along_weft = -area[i] * warp[i], -area[i] * weft[i]
         ux, uy, uz = along_warp * dx[i] + shearing * gux, along_warp * dy[i] + shearing * guy, along_warp * dz[i] + shearing * guz
         wx, wy, wz = along_weft * ex[i] + shearing * gwx, along_weft * ey[i] + shearing * gwy, along_weft * ez[i] + shearing * gwz
         bx[i], by[i], bz[i] = g * ux + k * wx, g * uy + k * wy, g * uz + k * wz
         cx[i], cy[i], cz[i] = h * ux + m * wx, h * uy + m * wy, h * uz + m * wz
+        warp[i] = gone
 
 
 @kernel
-def border_part(part, parts, damping_time, positions, velocities, out):  # type: ignore[no-untyped-def]
+def border_part(part, parts, damping_time, sliders, positions, velocities, out):  # type: ignore[no-untyped-def]
+    """sliders (T + 2 P,): of shear, then of warp and weft patch by patch. Returns the energy lost [J]."""
     begin, end = np.int64(parts.first[part]), np.int64(parts.first[part + 1])
     begin_patch, end_patch = np.int64(parts.first_patch[part]), np.int64(parts.first_patch[part + 1])
     first = part * PART
     own = min(len(parts.area) - first, PART)
     count, patches = end - begin, end_patch - begin_patch
     edges, directions, strains, means, stresses = np.empty((12, count)), np.empty((6, count)), np.empty((4, count)), np.empty((4, patches)), np.empty((2, own))
+    held, total = np.empty((2, patches)), 0.0
+    of_patches = sliders[len(parts.area) :]
     _load_edges((begin, count), parts.corners, positions, velocities, edges)
     for axis in range(2):
         _strain_row(
@@ -147,23 +183,27 @@ def border_part(part, parts, damping_time, positions, velocities, out):  # type:
         )  # fmt: skip
     _mean_strains((begin_patch, patches), parts, strains, means)
     for axis in range(2):
-        curve = COEFFICIENTS * axis
-        rate, amplitude, em = parts.tension[curve, begin_patch:], parts.tension[curve + 1, begin_patch:], parts.tension[curve + 2, begin_patch:]
-        _stress_row(patches, damping_time, rate, amplitude, em, means[2 * axis], means[2 * axis + 1])
+        _load_sliders((begin_patch, patches), parts.patch_of, of_patches, axis, held[0])
+        _stress_row(patches, damping_time, parts.tension[COEFFICIENTS * axis :], begin_patch, held[0], means[2 * axis :], held[1])
+        total += _keep_sliders((begin_patch, patches), parts, held[0], held[1], axis, of_patches)
     _mean_stresses((first, own), parts.patch, means, stresses)
-    _force_row((begin, own), damping_time, parts, first, edges, directions, stresses)
+    _force_row((begin, first, own), damping_time, parts, sliders, edges, directions, stresses)
     for i in range(own):
         k = 3 * (first + i)
         for axis in range(3):
             b, c = edges[axis, i], edges[3 + axis, i]
             out[k, axis], out[k + 1, axis], out[k + 2, axis] = -(b + c), b, c
+        total += stresses[0, i]
+    return total
 
 
 @kernel
-def write_border(parts, damping_time, positions, velocities, out):  # type: ignore[no-untyped-def]
-    """Forces on the corners of triangle i into out[3 i] to out[3 i + 2]."""
+def write_border(parts, damping_time, sliders, positions, velocities, out):  # type: ignore[no-untyped-def]
+    """Forces on the corners of triangle i into out[3 i] to out[3 i + 2]. Returns the energy lost [J]."""
+    lost = 0.0
     for part in range(len(parts.first) - 1):
-        border_part(np.int64(part), parts, damping_time, positions, velocities, out)
+        lost += border_part(np.int64(part), parts, damping_time, sliders, positions, velocities, out)
+    return lost
 
 
 class ForceBorder(OneLaw):
@@ -173,24 +213,32 @@ class ForceBorder(OneLaw):
 
     def __init__(self, cloth: Cloth, materials: MaterialTable, damping_time: float = 0.0) -> None:
         self._border = border = _in_order(cloth.border)
+        self._alone = np.bincount(cloth.vertex_particle, minlength=cloth.particle_count) == 1
         sizes = np.diff(border.patch_start)
         self._of_entry = np.repeat(np.arange(len(sizes)), sizes)
         self._patch_area = np.bincount(self._of_entry, weights=border.area[border.patch_triangle], minlength=len(sizes))
         self._patch_curve = indices(2 * border.patch_material[:, None] + np.array([WARP, WEFT]))
-        self._stiffness = np.array(materials.shear[border.material])
+        self._shear = shear_curves(materials, border.material)
         self._curves = tension_curves(materials)
         tension = np.concatenate([tension_coefficients(self._curves, self._patch_curve[:, axis]) for axis in (WARP, WEFT)])
-        self._parts = _parts(border, self._stiffness, self._patch_area, tension)
+        self._parts = _parts(border, self._shear, self._patch_area, tension)
+        self.way = np.concatenate([self._shear.way, WAY * self._curves.em[self._patch_curve].ravel()])
         self.damping_time = damping_time
         self.corners = indices(border.corners).ravel()
 
     @property
     def arguments(self) -> tuple[Any, ...]:
-        """What `write_border` takes before positions, velocities and out."""
+        """What `write_border` takes before sliders, positions, velocities and out."""
         return self._parts, self.damping_time
 
-    def write_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray) -> None:
-        write_border(*self.arguments, positions, velocities, out)
+    def slack(self) -> np.ndarray:
+        sliders = np.zeros(len(self.way))
+        count = len(self._border.area)
+        sliders[count:] = -self.way[count:]
+        return sliders
+
+    def write_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray, sliders: np.ndarray | None = None) -> None:
+        write_border(*self.arguments, self.slack() if sliders is None else sliders, positions, velocities, out)
 
     def _vectors(self, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         corners = positions[self._border.corners]
@@ -201,32 +249,58 @@ class ForceBorder(OneLaw):
         entries = (self._border.area * values)[self._border.patch_triangle]
         return np.bincount(self._of_entry, weights=entries, minlength=len(self._patch_area)) / self._patch_area
 
-    def energy(self, positions: np.ndarray) -> float:
+    def _strains(self, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """gamma (T,), and e (P,2) of the patches, warp and weft."""
         warp, weft = self._vectors(positions)
         gamma, _, _ = angle_and_lengths(warp, weft)
-        total = float(np.sum(0.5 * self._stiffness * gamma * gamma * self._border.area))
-        for axis, vector in enumerate((warp, weft)):
-            energy, _, _ = tension_at(self._curves, self._patch_curve[:, axis], self._patch_mean(np.linalg.norm(vector, axis=1) - 1.0))
+        return gamma, np.column_stack([self._patch_mean(np.linalg.norm(vector, axis=1) - 1.0) for vector in (warp, weft)])
+
+    def strain(self, positions: np.ndarray) -> np.ndarray:
+        """Of every slider (T + 2 P,)."""
+        gamma, patches = self._strains(positions)
+        return np.concatenate([gamma, patches.ravel()])
+
+    def gauge(self, positions: np.ndarray) -> Gauge:
+        border, tension = self._border, [CURVES.index("warp tension"), CURVES.index("weft tension")]
+        curve = np.concatenate([np.full(len(border.area), CURVES.index("shear")), np.tile(tension, len(self._patch_area))])
+        # a corner that belongs to one panel, where there is one
+        inner = border.corners[np.arange(len(border.area)), np.argmax(self._alone[border.corners], axis=1)]
+        of_patch = inner[border.patch_triangle[border.patch_start[:-1]]] if len(border.area) else inner
+        return Gauge(self.strain(positions), self.way, curve, np.concatenate([inner, np.repeat(of_patch, 2)]))
+
+    def energy(self, positions: np.ndarray, sliders: np.ndarray | None = None) -> float:
+        gamma, patches = self._strains(positions)
+        held = self.slack() if sliders is None else sliders
+        of_patches = held[len(gamma) :].reshape(-1, 2)
+        total = float(np.sum(shear_energy_at(self._shear, gamma, held[: len(gamma)]) * self._border.area))
+        for axis in (WARP, WEFT):
+            energy = tension_energy_at(self._curves, self._patch_curve[:, axis], patches[:, axis], of_patches[:, axis])
             total += float(np.sum(energy * self._patch_area)) / 3.0
         return total
 
     def write_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
-        self._write_bound(*self._vectors(positions), out)
+        warp, weft = self._vectors(positions)
+        gamma, warp_length, weft_length = angle_and_lengths(warp, weft)
+        self._write_bound((warp, weft), (warp_length, weft_length), largest_shear_stiffness(self._shear, gamma), out)
 
     def write_rest_stiffness(self, out: np.ndarray) -> None:
-        """`write_stiffness` at rest, wherever the panels lie."""
+        """Row sums without friction, at rest, wherever the panels lie."""
         count = len(self._border.area)
-        self._write_bound(np.tile([1.0, 0.0], (count, 1)), np.tile([0.0, 1.0], (count, 1)), out)
+        vectors = np.tile([1.0, 0.0], (count, 1)), np.tile([0.0, 1.0], (count, 1))
+        self._write_bound(vectors, (np.ones(count), np.ones(count)), self._shear.stiffness, out)
 
-    def _write_bound(self, warp: np.ndarray, weft: np.ndarray, out: np.ndarray) -> None:
-        # shear as in shear.py; tension: |de_p/dx| by the triangle inequality along the fibre, and T/|u| across it, which only tension stiffens
+    def _write_bound(self, vectors: tuple[np.ndarray, np.ndarray], lengths: tuple[np.ndarray, np.ndarray], shear: np.ndarray, out: np.ndarray) -> None:
+        # tension: |de_p/dx| by the triangle inequality along the fibre, and T/|u| across it, which only tension stiffens
         border = self._border
-        gamma, warp_length, weft_length = angle_and_lengths(warp, weft)
-        gradient = np.abs(border.warp_gradient) / warp_length[:, None] + np.abs(border.weft_gradient) / weft_length[:, None]
-        bound = (self._stiffness * border.area * (1.0 + np.abs(gamma)))[:, None] * gradient * gradient.sum(axis=1, keepdims=True)
-        for axis, vector, length, parts in ((WARP, warp, warp_length, border.warp_gradient), (WEFT, weft, weft_length, border.weft_gradient)):
+        gradients = border.warp_gradient, border.weft_gradient
+        # |dgamma/dx|^2 of a corner, from its parts along warp and weft, which enclose the trellis angle
+        along, across = (parts / length[:, None] for parts, length in zip(gradients, lengths))
+        lean = np.sum(vectors[0] * vectors[1], axis=1) / (lengths[0] * lengths[1])
+        gradient = np.sqrt(np.maximum(along**2 + across**2 - 2.0 * lean[:, None] * along * across, 0.0))
+        bound = (shear * border.area)[:, None] * gradient * gradient.sum(axis=1, keepdims=True)
+        for axis, vector, length, parts in zip((WARP, WEFT), vectors, lengths, gradients):
             reach = np.abs(parts).sum(axis=1)
-            _, force, tangent = tension_at(self._curves, self._patch_curve[:, axis], self._patch_mean(np.linalg.norm(vector, axis=1) - 1.0))
+            force, tangent = largest_tension_at(self._curves, self._patch_curve[:, axis], self._patch_mean(np.linalg.norm(vector, axis=1) - 1.0))
             along = (tangent * self._patch_mean(reach))[border.patch].mean(axis=1)
             across = np.maximum(force, 0.0)[border.patch].mean(axis=1) * reach / length
             bound += (border.area * (along + across))[:, None] * np.abs(parts)
@@ -245,7 +319,7 @@ def _in_order(border: BorderTriangles) -> BorderTriangles:
     return border._replace(patch=patch, patch_start=starts, patch_triangle=indices(rows // 3), **fields)
 
 
-def _parts(border: BorderTriangles, stiffness: np.ndarray, patch_area: np.ndarray, tension: np.ndarray) -> BorderParts:
+def _parts(border: BorderTriangles, shear: ShearCurves, patch_area: np.ndarray, tension: np.ndarray) -> BorderParts:
     triangles, patches, own_patches, entry_counts, entries, weights = [], [], [], [], [], []
     none = np.empty(0, dtype=np.int64)
     for first in range(0, len(border.area), PART):
@@ -262,14 +336,19 @@ def _parts(border: BorderTriangles, stiffness: np.ndarray, patch_area: np.ndarra
         entries.append(place[np.searchsorted(together[place], held)])
         weights.append(border.area[held] / np.repeat(patch_area[mine], [len(row) for row in rows]))
     every, every_patch = np.concatenate([none, *triangles]), np.concatenate([none, *patches])
+    owned = np.zeros(len(every_patch), dtype=bool)
+    owned[np.unique(every_patch, return_index=True)[1]] = True
     gradients = [border.warp_gradient[every, 1], border.warp_gradient[every, 2], border.weft_gradient[every, 1], border.weft_gradient[every, 2]]
     return BorderParts(
         indices(np.cumsum([0, *(len(part) for part in triangles)])),
         indices(np.cumsum([0, *(len(part) for part in patches)])),
         indices(border.corners[every].T),
         floats(np.stack(gradients)),
+        indices(every_patch),
+        owned,
+        floats(patch_area[every_patch] / 3.0),
         np.array(border.area),
-        stiffness,
+        np.stack(shear),
         indices(np.concatenate([np.empty((0, 3), dtype=np.int64), *own_patches]).T),
         indices(np.cumsum([0, *entry_counts])),
         indices(np.concatenate([none, *entries])),

@@ -5,16 +5,23 @@ from __future__ import annotations
 import numpy as np
 
 from garmentcad.arrays import kernel
+from garmentcad.fabric.internal_friction import dragged
+from garmentcad.fabric.law_bending import STICK
+from garmentcad.fabric.law_shear import stick_stiffness
 from garmentcad.forces.shear import shear_angle
 from garmentcad.forces.twist import LEAST_NORMAL
 
 
 @kernel
-def cell_row(span, shear, twist, spacing, damping_time, motion, out):  # type: ignore[no-untyped-def]
-    """Cells whose corners 00 are in a row; span: first slot, slots to the corner 01, number of cells.
+def cell_row(span, origin, cells, setting, motion, out, held):  # type: ignore[no-untyped-def]
+    """Cells whose corners 00 are in a row; span: first slot in the room, slots to the corner 01, number of cells; origin: slot at which the room begins.
 
-    shear (L,): G A, J, and twist (L,): 4 D66 A/h^4, N/m, from the first slot on; motion (6,R). Forces on corners 00, 10, 11, 01 into out (12,R), at corner 00.
+    cells (6,S): of shear and of twist, see `write_rows` of each; setting: spacing, damping time; motion (6+,R). Forces on corners 00, 10, 11, 01 into out
+    (12,R), at corner 00.
+    held: sliders of shear and twist (2,S) before, (2,R) after, energy lost (R,) [J], added to.
     """
+    spacing, damping_time = setting
+    before, after, lost = held
     first, up, count = span
     x00, y00, z00, u00, v00, w00 = motion[0, first:], motion[1, first:], motion[2, first:], motion[3, first:], motion[4, first:], motion[5, first:]
     i10 = first + 1
@@ -25,6 +32,9 @@ def cell_row(span, shear, twist, spacing, damping_time, motion, out):  # type: i
     x11, y11, z11, u11, v11, w11 = motion[0, i11:], motion[1, i11:], motion[2, i11:], motion[3, i11:], motion[4, i11:], motion[5, i11:]
     fx00, fy00, fz00, fx10, fy10, fz10 = out[0, first:], out[1, first:], out[2, first:], out[3, first:], out[4, first:], out[5, first:]
     fx11, fy11, fz11, fx01, fy01, fz01 = out[6, first:], out[7, first:], out[8, first:], out[9, first:], out[10, first:], out[11, first:]
+    here = origin + first
+    shear, low, rise, shear_way, twist, twist_way = cells[0, here:], cells[1, here:], cells[2, here:], cells[3, here:], cells[4, here:], cells[5, here:]
+    angle, crossing, angle_after, crossing_after, gone = before[0, here:], before[1, here:], after[0, first:], after[1, first:], lost[first:]
     half = 0.5 / spacing
     normal_unit = half / spacing
     for i in range(np.uint64(count)):
@@ -37,13 +47,20 @@ def cell_row(span, shear, twist, spacing, damping_time, motion, out):  # type: i
         gqx, gqy, gqz = half * (gux - gwx), half * (guy - gwy), half * (guz - gwz)
         rate = gpx * (u11[i] - u00[i]) + gpy * (v11[i] - v00[i]) + gpz * (w11[i] - w00[i])
         rate += gqx * (u01[i] - u10[i]) + gqy * (v01[i] - v10[i]) + gqz * (w01[i] - w10[i])
-        shearing = shear[i] * (gamma + damping_time * rate)
+        slider = dragged(angle[i], gamma, shear_way[i])
+        stick = stick_stiffness(gamma, low[i], rise[i])
+        shearing = shear[i] * (gamma + damping_time * rate) + stick * (gamma - slider)
+        loss = stick_stiffness(0.5 * (gamma + slider), low[i], rise[i]) * shear_way[i] * abs(slider - angle[i])
+        angle_after[i] = slider
         # |p x q| = 2 h^2 |u x w|
         inverse = min(inverse, 1.0 / LEAST_NORMAL) * normal_unit
         nx, ny, nz = inverse * (py * qz - pz * qy), inverse * (pz * qx - px * qz), inverse * (px * qy - py * qx)
         sx, sy, sz = (x00[i] - x10[i]) + (x11[i] - x01[i]), (y00[i] - y10[i]) + (y11[i] - y01[i]), (z00[i] - z10[i]) + (z11[i] - z01[i])
         height = nx * sx + ny * sy + nz * sz
-        bending = twist[i] * height
+        slider = dragged(crossing[i], height, twist_way[i])
+        bending = twist[i] * (height + STICK * (height - slider))
+        gone[i] += loss + STICK * twist[i] * twist_way[i] * abs(slider - crossing[i])
+        crossing_after[i] = slider
         # d(height)/dp = q x t, d(height)/dq = t x p with t = (s - height n)/|p x q|
         turn = bending * inverse
         tx, ty, tz = turn * (sx - height * nx), turn * (sy - height * ny), turn * (sz - height * nz)

@@ -21,9 +21,10 @@ from garmentcad.arrays import floats, indices, kernel
 from garmentcad.cloth.cloth import WEFT, Cloth
 from garmentcad.cloth.folds import crossing_lines, line_corners, line_weights
 from garmentcad.fabric.material import MaterialTable
-from garmentcad.forces.bend import SHORTEST, opening
-from garmentcad.forces.force import NO_PARTICLE
+from garmentcad.forces.bend import LEAST_SINE, SHORTEST
+from garmentcad.forces.force import NO_PARTICLE, OneLaw
 from garmentcad.forces.rows import PART
+from garmentcad.forces.smooth import angle_over_sine
 from garmentcad.forces.twist import LEAST_NORMAL
 
 _LARGEST_GAIN = 12.0  # of t/sin(t), which it has at 165 degrees
@@ -82,7 +83,9 @@ def _hold_line(i, folds, x, out):  # type: ignore[no-untyped-def]
     on_e = 1.0 / max(math.sqrt(ex * ex + ey * ey + ez * ez), folds.shortest[i, 2])
     ax, ay, az, bx, by, bz, ex, ey, ez = on_a * ax, on_a * ay, on_a * az, on_b * bx, on_b * by, on_b * bz, on_e * ex, on_e * ey, on_e * ez
     ux, uy, uz = ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
-    cosine, over_sine = opening(ax, ay, az, bx, by, bz)
+    sx, sy, sz = ax + bx, ay + by, az + bz
+    half = max(0.5 * math.sqrt(sx * sx + sy * sy + sz * sz), 0.5 * LEAST_SINE)  # cosine of half the turn, without cancellation
+    cosine, over_sine = ax * bx + ay * by + az * bz, angle_over_sine(half) / half
     gain, slope = gain_and_slope(cosine, over_sine, ux * ux + uy * uy + uz * uz)
     along = ux * ex + uy * ey + uz * ez
     m, s = folds.moment[i] * gain, folds.moment[i] * slope * along
@@ -141,7 +144,7 @@ def write_fold(folds, positions, velocities, out):  # type: ignore[no-untyped-de
         fold_part(np.int64(part), folds, positions, out)
 
 
-class ForceFold:
+class ForceFold(OneLaw):
     """Rest turn of the bend lines and rest twist of the cells of `cloth` under its folds. angles (F,): rest angle of each fold, rad; None for flat ones."""
 
     name = "fold"
@@ -177,10 +180,10 @@ class ForceFold:
         slots[: len(line), 2::2][weights[: len(line)] == 0.0] = NO_PARTICLE
         self.corners = indices(slots).ravel()
 
-    def write_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray) -> None:
+    def write_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray, sliders: np.ndarray | None = None) -> None:
         write_fold(*self.arguments, positions, velocities, out)
 
-    def energies(self, positions: np.ndarray) -> dict[str, float]:
+    def energies(self, positions: np.ndarray, sliders: np.ndarray | None = None) -> dict[str, float]:
         folds, count = self._folds, self._folds.lines
         place = positions[folds.corners]
         bend = self._constant["bend"] - float(np.sum(folds.moment[:count] * turn_of(place[:count], folds.weights[:count], folds.shortest[:count])))
@@ -190,7 +193,7 @@ class ForceFold:
         height = np.sum(normal * (x00 - x10 + x11 - x01), axis=1) / size
         return {"bend": bend, "twist": self._constant["twist"] - float(np.sum(folds.moment[count:] * height))}
 
-    def energy(self, positions: np.ndarray) -> float:
+    def energy(self, positions: np.ndarray, sliders: np.ndarray | None = None) -> float:
         """Both laws together [J]."""
         return sum(self.energies(positions).values())
 

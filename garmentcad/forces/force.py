@@ -2,15 +2,32 @@
 
 Element forces never add into shared memory: each writes the force on every corner of every element once, and `ForceAssembly` gathers per particle
 in a fixed order. So the result has the same bits for any number of threads.
+
+Internal friction gives a force a memory: sliders (fabric/internal_friction.py), one for each curve that an element is measured on, which lie in
+`State.friction` by the force's name. Forces are written for given positions and sliders, and move the sliders to where these positions leave them; doing
+that twice changes nothing.
 """
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
 NO_PARTICLE = -1
+
+
+class Gauge(NamedTuple):
+    """What the sliders of a force are measured on, each in the order of its array. way: d, 0 without friction; curve: index of CURVES; particle: one at the
+    place, NO_PARTICLE for a slider that stands for nothing."""
+
+    strain: np.ndarray
+    way: np.ndarray
+    curve: np.ndarray
+    particle: np.ndarray
+
+
+CURVES = ("weft tension", "warp tension", "shear", "twist", "weft bending", "warp bending", "seam bending")
 
 
 class Force(Protocol):
@@ -19,14 +36,22 @@ class Force(Protocol):
     name: str
     corners: np.ndarray
 
-    def write_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray) -> None:
-        """Force on each corner [N] into out (K,3), from positions [m] and velocities [m/s], both (P,3). Damping included."""
+    def slack(self) -> np.ndarray:
+        """Sliders of cloth that was never strained; none (0,) where there is no internal friction."""
 
-    def energies(self, positions: np.ndarray) -> dict[str, float]:
-        """Stored energy [J] by law."""
+    def gauge(self, positions: np.ndarray) -> Gauge:
+        """Of each slider."""
+
+    def write_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray, sliders: np.ndarray | None = None) -> None:
+        """Force on each corner [N] into out (K,3), from positions [m] and velocities [m/s], both (P,3). Damping included. sliders: moved in place; None:
+        `slack`."""
+
+    def energies(self, positions: np.ndarray, sliders: np.ndarray | None = None) -> dict[str, float]:
+        """Stored energy [J] by law, stick springs included."""
 
     def write_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
-        """Row sum bound of the current tangent, sum over j of |K_ij|, for each corner [N/m] into out (K,). Only what can raise a frequency counts."""
+        """Row sum bound of the current tangent, sum over j of |K_ij|, for each corner [N/m] into out (K,), stick springs included. Only what can raise a
+        frequency counts."""
 
 
 class BodyForce(Protocol):
@@ -42,12 +67,19 @@ class BodyForce(Protocol):
 
 
 class OneLaw:
-    """What forces of a single law share: `name` is the law's, `energy` [J] its energy."""
+    """What forces of a single law share: `name` is the law's, `energy` [J] its energy. Without internal friction, unless they say otherwise."""
 
     name: str
 
-    def energy(self, positions: np.ndarray) -> float:
+    def slack(self) -> np.ndarray:
+        return np.empty(0)
+
+    def gauge(self, positions: np.ndarray) -> Gauge:
+        none = np.empty(0)
+        return Gauge(none, none, none, none)
+
+    def energy(self, positions: np.ndarray, sliders: np.ndarray | None = None) -> float:
         raise NotImplementedError
 
-    def energies(self, positions: np.ndarray) -> dict[str, float]:
-        return {self.name: self.energy(positions)}
+    def energies(self, positions: np.ndarray, sliders: np.ndarray | None = None) -> dict[str, float]:
+        return {self.name: self.energy(positions, sliders)}

@@ -20,5 +20,5 @@ class ForceGravity(OneLaw):
     def add_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray) -> None:
         out[:, 1] -= self._weight
 
-    def energy(self, positions: np.ndarray) -> float:
+    def energy(self, positions: np.ndarray, sliders: np.ndarray | None = None) -> float:
         return float(np.sum(self._weight * positions[:, 1]))

@@ -1,11 +1,11 @@
 """Seam hinges: the fold angle over welded sew lines.
 
-    E = K (theta - theta0)^2/2   [J]      K = factor B_n length^2/(A_a + A_b)   [N.m per rad]
+    E = K (r^2 + STICK (r - s)^2)/2   [J]      r = theta - theta0, s slider (fabric/law_bending.py)      K = factor B_n length^2/(A_a + A_b)   [N.m per rad]
     B_n = mean over both sides of B_warp c^4 + B_weft s^4 + 4 D66 c^2 s^2,  c cosine between the edge's normal and the warp
 
 theta [rad] is 0 where the two triangles are flat and positive where they fold toward the right side of the fabric. Corners: edge from 0 to 1, wing of side a
-on its left as seen from the right side of the fabric, wing of side b on its right. Source: orthotropic plate rotated to the edge (PHYSICS: B at angle t);
-factor counts the layers of the seam allowance.
+on its left as seen from the right side of the fabric, wing of side b on its right. theta is the curvature times (A_a + A_b)/length, so far its slider's way.
+Source: orthotropic plate rotated to the edge (PHYSICS: B at angle t); factor counts the layers of the seam allowance.
 """
 
 from __future__ import annotations
@@ -17,8 +17,11 @@ import numpy as np
 
 from garmentcad.arrays import indices, kernel
 from garmentcad.cloth.cloth import Cloth
-from garmentcad.fabric.material import MaterialTable, bending_along
-from garmentcad.forces.force import OneLaw
+from garmentcad.fabric.internal_friction import dragged
+from garmentcad.fabric.law_bending import STICK
+from garmentcad.fabric.material import MaterialTable, bending_along, bending_friction_along
+from garmentcad.forces.bend import stored
+from garmentcad.forces.force import CURVES, Gauge, OneLaw
 from garmentcad.forces.rows import PART
 from garmentcad.forces.smooth import angle_over_sine
 
@@ -30,6 +33,7 @@ class HingeElements(NamedTuple):
     corners: np.ndarray  # (H,4) int32
     stiffness: np.ndarray  # (H,) K, N.m per rad
     rest_angle: np.ndarray  # (H,) rad
+    way: np.ndarray  # (H,) rad
 
 
 @kernel
@@ -44,8 +48,9 @@ def _load_wings(span, corners, positions, wings):  # type: ignore[no-untyped-def
 
 
 @kernel
-def _fold(count, stiffness, rest_angle, wings):  # type: ignore[no-untyped-def]
-    """In place of wings (9,PART): the forces on edge end, wing a and wing b."""
+def _fold(count, hinges, first, sliders, wings, lost):  # type: ignore[no-untyped-def]
+    """In place of wings (9,PART): the forces on edge end, wing a and wing b. Moves the sliders; the energy lost [J] goes into lost (PART,)."""
+    stiffness, rest_angle, way, slider = hinges.stiffness[first:], hinges.rest_angle[first:], hinges.way[first:], sliders[first:]
     exs, eys, ezs, axs, ays, azs, bxs, bys, bzs = wings[0], wings[1], wings[2], wings[3], wings[4], wings[5], wings[6], wings[7], wings[8]
     for i in range(np.uint64(count)):
         ex, ey, ez, ax, ay, az, bx, by, bz = exs[i], eys[i], ezs[i], axs[i], ays[i], azs[i], bxs[i], bys[i], bzs[i]
@@ -61,7 +66,11 @@ def _fold(count, stiffness, rest_angle, wings):  # type: ignore[no-untyped-def]
         x, y, z, u, v, w = mx + nx, my + ny, mz + nz, mx - nx, my - ny, mz - nz
         cosine, sine = 0.5 * math.sqrt(x * x + y * y + z * z), 0.5 * math.sqrt(u * u + v * v + w * w)
         angle = math.copysign(2.0 * sine * angle_over_sine(cosine), bx * mx + by * my + bz * mz)
-        scale = -stiffness[i] * (angle - rest_angle[i])
+        opened = angle - rest_angle[i]
+        after = dragged(slider[i], opened, way[i])
+        lost[i] = STICK * stiffness[i] * way[i] * abs(after - slider[i])
+        slider[i] = after
+        scale = -stiffness[i] * (opened + STICK * (opened - after))
         on_a, on_b = scale * inverse_m, scale * inverse_n
         fraction_a = (ax * ex + ay * ey + az * ez) * inverse
         fraction_b = (bx * ex + by * ey + bz * ez) * inverse
@@ -71,24 +80,29 @@ def _fold(count, stiffness, rest_angle, wings):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def hinge_part(part, hinges, positions, out):  # type: ignore[no-untyped-def]
+def hinge_part(part, hinges, sliders, positions, out):  # type: ignore[no-untyped-def]
+    """Returns the energy lost [J]."""
     first = part * PART
     count = min(len(hinges.stiffness) - first, PART)
-    wings = np.empty((9, PART))
+    wings, lost, total = np.empty((9, PART)), np.empty(PART), 0.0
     _load_wings((first, count), hinges.corners, positions, wings)
-    _fold(count, hinges.stiffness[first:], hinges.rest_angle[first:], wings)
+    _fold(count, hinges, first, sliders, wings, lost)
     for i in range(count):
         k = 4 * (first + i)
         for axis in range(3):
             end, a, b = wings[axis, i], wings[3 + axis, i], wings[6 + axis, i]
             out[k, axis], out[k + 1, axis], out[k + 2, axis], out[k + 3, axis] = -(end + (a + b)), end, a, b
+        total += lost[i]
+    return total
 
 
 @kernel
-def write_hinge(hinges, positions, velocities, out):  # type: ignore[no-untyped-def]
-    """Forces on edge start, edge end, wing a, wing b of hinge i into out[4 i] to out[4 i + 3]."""
+def write_hinge(hinges, sliders, positions, velocities, out):  # type: ignore[no-untyped-def]
+    """Forces on edge start, edge end, wing a, wing b of hinge i into out[4 i] to out[4 i + 3]. Returns the energy lost [J]."""
+    lost = 0.0
     for part in range(-(-len(hinges.stiffness) // PART)):
-        hinge_part(np.int64(part), hinges, positions, out)
+        lost += hinge_part(np.int64(part), hinges, sliders, positions, out)
+    return lost
 
 
 class ForceHinge(OneLaw):
@@ -99,12 +113,25 @@ class ForceHinge(OneLaw):
     def __init__(self, cloth: Cloth, materials: MaterialTable) -> None:
         hinges = cloth.hinges
         across = bending_along(materials, hinges.material, hinges.across_warp)
-        self._hinges = HingeElements(np.array(hinges.corners), hinges.factor * across.mean(axis=1) * hinges.length2_over_area, np.array(hinges.rest_angle))
+        hold = bending_friction_along(materials, hinges.material, hinges.across_warp).mean(axis=1)
+        mean = across.mean(axis=1)
+        self.way = hold / (STICK * mean) * hinges.length / hinges.length2_over_area
+        self._hinges = HingeElements(np.array(hinges.corners), hinges.factor * mean * hinges.length2_over_area, np.array(hinges.rest_angle), self.way)
         self.arguments = (self._hinges,)
         self.corners = indices(hinges.corners).ravel()
 
-    def write_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray) -> None:
-        write_hinge(*self.arguments, positions, velocities, out)
+    def slack(self) -> np.ndarray:
+        return np.zeros(len(self.way))
+
+    def gauge(self, positions: np.ndarray) -> Gauge:
+        return Gauge(self.strain(positions), self.way, np.full(len(self.way), CURVES.index("seam bending")), self._hinges.corners[:, 0])
+
+    def write_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray, sliders: np.ndarray | None = None) -> None:
+        write_hinge(*self.arguments, self.slack() if sliders is None else sliders, positions, velocities, out)
+
+    def strain(self, positions: np.ndarray) -> np.ndarray:
+        """theta - theta0 (H,) [rad]."""
+        return np.asarray(self._geometry(positions)[0] - self._hinges.rest_angle)
 
     def _geometry(self, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """theta (H,) and bounds of |dtheta/dx| at edge start, edge end, wing a, wing b (H,4)."""
@@ -122,12 +149,12 @@ class ForceHinge(OneLaw):
             gradients[:, k] = length * inverse
         return angle, gradients
 
-    def energy(self, positions: np.ndarray) -> float:
-        angle, _ = self._geometry(positions)
-        return float(np.sum(0.5 * self._hinges.stiffness * (angle - self._hinges.rest_angle) ** 2))
+    def energy(self, positions: np.ndarray, sliders: np.ndarray | None = None) -> float:
+        return stored(self._hinges.stiffness, self.strain(positions), self.slack() if sliders is None else sliders, self.way)
 
     def write_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
         # (1 + |theta - theta0|) covers the curvature of theta
         angle, gradients = self._geometry(positions)
-        scale = self._hinges.stiffness * (1.0 + np.abs(angle - self._hinges.rest_angle)) * gradients.sum(axis=1)
+        stiffness = self._hinges.stiffness * np.where(self.way > 0.0, 1.0 + STICK, 1.0)
+        scale = stiffness * (1.0 + np.abs(angle - self._hinges.rest_angle)) * gradients.sum(axis=1)
         out[:] = (gradients * scale[:, None]).ravel()

@@ -7,12 +7,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import prange
 
-from garmentcad.arrays import indices, kernel, parallel_kernel
+from garmentcad.arrays import indices, inlined, kernel, parallel_kernel
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.fabric.material import MaterialTable
+from garmentcad.forces import bend as bend_lines
+from garmentcad.forces import fold as fold_lines
 from garmentcad.forces.bend import bend_part
 from garmentcad.forces.border import ForceBorder, border_part
-from garmentcad.forces.fold import CORNERS, ForceFold, fold_part
+from garmentcad.forces.fold import ForceFold, fold_part
 from garmentcad.forces.force import NO_PARTICLE, Force
 from garmentcad.forces.hinge import ForceHinge, hinge_part
 from garmentcad.forces.lattice import ForceLattice, contour_lines, lattice_block
@@ -21,46 +23,52 @@ from garmentcad.forces.span import ForceSpan, span_part
 from garmentcad.forces.time_step import DAMPING_RATIO, internal_damping_time
 
 LAWS = ("lattice", "border", "bend", "span", "hinge", "fold")
-_BINS = 8  # the parts of all forces are dealt out in so many bins of about the same work, whatever the number of threads
+BINS = 8  # the parts of all forces are dealt out in so many bins of about the same work, whatever the number of threads
 # Work of an element, us: of lattice blocks a slot, of the others one of the 128 elements of a part (measured, one thread).
 _WORK = (0.02, 0.022, 0.01, 0.014, 0.014, 0.03)
 
 
-@kernel
-def _one_part(kind, part, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, fold, positions, velocities, out):  # type: ignore[no-untyped-def]
+@inlined
+def _one_part(kind, part, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, fold, held, positions, velocities, out):  # type: ignore[no-untyped-def]
+    """Returns the energy lost [J]."""
     if kind == 0:
-        lattice_block(part, blocks, coefficients, setting, positions, velocities, rooms, out[first[0] : first[1]])
-    elif kind == 1:
-        border_part(part, border, setting[1], positions, velocities, out[first[1] : first[2]])
-    elif kind == 2:
-        bend_part(part, bend, positions, out[first[2] : first[3]])
-    elif kind == 3:
+        return lattice_block(part, blocks, (coefficients, held[0]), setting, positions, velocities, rooms, out[first[0] : first[1]])
+    if kind == 1:
+        return border_part(part, border, setting[1], held[1], positions, velocities, out[first[1] : first[2]])
+    if kind == 2:
+        return bend_part(part, bend, held[2], positions, out[first[2] : first[3]])
+    if kind == 4:
+        return hinge_part(part, hinge, held[3], positions, out[first[4] : first[5]])
+    if kind == 3:
         span_part(part, span, positions, out[first[3] : first[4]])
-    elif kind == 4:
-        hinge_part(part, hinge, positions, out[first[4] : first[5]])
     else:
         fold_part(part, fold, positions, out[first[5] : first[6]])
+    return 0.0
 
 
 @kernel
-def _one_bin(number, deal, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, fold, positions, velocities, out):  # type: ignore[no-untyped-def]
+def _one_bin(number, deal, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, fold, held, positions, velocities, out, lost):  # type: ignore[no-untyped-def]
     for k in range(deal.start[number], deal.start[number + 1]):
         kind, part = np.int64(deal.kind[k]), np.int64(deal.part[k])
-        _one_part(kind, part, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, fold, positions, velocities, out)
+        lost[number] += _one_part(kind, part, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, fold, held, positions, velocities, out)
 
 
 @parallel_kernel
-def _write_all(deal, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, fold, positions, velocities, out):  # type: ignore[no-untyped-def]
-    for number in prange(_BINS):
-        _one_bin(np.int64(number), deal, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, fold, positions, velocities, out)
+def _write_all(deal, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, fold, s0, s1, s2, s3, positions, velocities, out, lost):  # type: ignore[no-untyped-def]
+    for number in prange(BINS):
+        held = s0, s1, s2, s3  # of lattice, border, bend, hinge
+        _one_bin(np.int64(number), deal, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, fold, held, positions, velocities, out, lost)
 
 
-@kernel
+@inlined
 def write_internal(laws, positions, velocities, corner_forces):  # type: ignore[no-untyped-def]
     """All corner forces, in one parallel region. laws: see `law_arguments`."""
-    deal, first, lattice, border, bend, span, hinge, fold = laws
+    deal, first, lattice, border, bend, span, hinge, fold, (a, b, c, d), lost = laws
     blocks, coefficients, setting, rooms = lattice
-    _write_all(deal, first, blocks, coefficients, setting, rooms, border[0], bend[0], span[0], hinge[0], fold[0], positions, velocities, corner_forces)
+    _write_all(
+        deal, first, blocks, coefficients, setting, rooms, border[0], bend[0], span[0], hinge[0], fold[0], a, b, c, d, positions, velocities,
+        corner_forces, lost,
+    )  # fmt: skip
 
 
 class Deal(NamedTuple):
@@ -71,20 +79,21 @@ class Deal(NamedTuple):
     part: np.ndarray
 
 
-def law_arguments(forces: tuple[Any, ...]) -> tuple[Any, ...]:
-    """Arguments of `write_internal` for the forces of `internal_forces`: the deal, where the corners of each begin, and what each compiled law needs."""
+def law_arguments(forces: tuple[Any, ...], sliders: dict[str, np.ndarray], lost: np.ndarray) -> tuple[Any, ...]:
+    """Arguments of `write_internal` for the forces of `internal_forces`: the deal, where the corners of each begin, what each compiled law needs, the
+    sliders by name of force, which are moved, and lost (BINS,), to which the energy that they lose [J] is added."""
     if tuple(force.name for force in forces) != LAWS:
         raise ValueError(f"forces {[force.name for force in forces]}; the stepper knows {list(LAWS)}, in this order")
     lattice, border, bend, span, hinge, fold = forces
-    corners = (1, 3, 5, 4, 4, CORNERS)
+    corners = (1, 3, bend_lines.CORNERS, 4, 4, fold_lines.CORNERS)
     sizes = [lattice.arguments[0].size]
     for force, per_element in zip((border, bend, span, hinge, fold), corners[1:]):
         count = len(force.corners) // per_element
         sizes.append(np.minimum(PART, count - PART * np.arange(-(-count // PART))))
     kind, part = np.repeat(np.arange(len(LAWS)), [len(size) for size in sizes]), np.concatenate([np.arange(len(size)) for size in sizes])
     work = np.concatenate([cost * size for cost, size in zip(_WORK, sizes)])
-    bins: list[list[int]] = [[] for _ in range(_BINS)]
-    load = np.zeros(_BINS)
+    bins: list[list[int]] = [[] for _ in range(BINS)]
+    load = np.zeros(BINS)
     for k in np.argsort(-work, kind="stable"):
         lightest = int(np.argmin(load))
         bins[lightest].append(int(k))
@@ -92,7 +101,9 @@ def law_arguments(forces: tuple[Any, ...]) -> tuple[Any, ...]:
     order = np.array([k for one in bins for k in one], dtype=np.int64)
     start = np.cumsum([0, *(len(one) for one in bins)])
     first = np.cumsum([0, *(len(force.corners) for force in forces)])
-    return Deal(indices(start), indices(kind[order]), indices(part[order])), first, *(force.arguments for force in forces)
+    deal = Deal(indices(start), indices(kind[order]), indices(part[order]))
+    held = tuple(sliders[force.name] for force in (lattice, border, bend, hinge))
+    return deal, first, *(force.arguments for force in forces), held, lost
 
 
 def internal_forces(cloth: Cloth, materials: MaterialTable, damping_ratio: float = DAMPING_RATIO, fold_angles: np.ndarray | None = None) -> list[Force]:

@@ -2,40 +2,48 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numba
 import numpy as np
 
 from garmentcad.arrays import indices, kernel
-from garmentcad.cloth.cloth import Cloth
+from garmentcad.cloth.cloth import WEFT, Cloth
 from garmentcad.fabric.material import MaterialTable
-from garmentcad.forces.bend import ForceBend, bend_row
+from garmentcad.forces.bend import ForceBend, across_lines, bend_row
 from garmentcad.forces.cell import cell_row
-from garmentcad.forces.force import NO_PARTICLE
-from garmentcad.forces.rows import LANES, LatticeSlots, aligned_zeros
+from garmentcad.forces.force import NO_PARTICLE, Gauge
+from garmentcad.forces.rows import LANES, NEVER, LatticeSlots, aligned_zeros
 from garmentcad.forces.shear import LawShear
 from garmentcad.forces.stretch import COEFFICIENTS, LawStretch, stretch_row
 from garmentcad.forces.twist import LawTwist
 
-# Where the coefficients of the elements lie (10,S): of weft and warp links, shear G A [J], twist 4 D66 A/h^4 [N/m], weft and warp lines B w/l [N.m].
-_C_WEFT, _C_WARP, _C_SHEAR = 0, COEFFICIENTS, 2 * COEFFICIENTS
-_C_TWIST, _C_BEND_WEFT, _C_BEND_WARP = _C_SHEAR + 1, _C_SHEAR + 2, _C_SHEAR + 3
-# Where the fields of a block lie in its room (34,R): places and velocities; directions of links, weft or warp; pull and turn of the weft; of the warp; cells.
-_MOTION, _LINES, _WEFT, _WARP, _CELL, _ALL = 0, 6, 10, 16, 22, 34
+# Where the coefficients of the elements lie (18,S): of weft and of warp links, of cells (shear, twist), of weft and of warp lines. See `write_rows` of each
+# law.
+_C_WEFT, _C_WARP, _C_CELL, _C_BEND, _C_ALL = 0, COEFFICIENTS, 2 * COEFFICIENTS, 2 * COEFFICIENTS + 6, 2 * COEFFICIENTS + 10
+_WAYS = [2, COEFFICIENTS + 2, _C_CELL + 3, _C_CELL + 5, _C_BEND + 1, _C_BEND + 3]  # em and d: so large that what is no element never moves its slider
+# Where the sliders lie (6,S): of weft and of warp links, shear, twist, weft and warp lines, in the order of force.CURVES.
+_S_WEFT, _S_WARP, _S_CELL, _S_BEND, SLIDERS = 0, 1, 2, 4, 6
+# Where the fields of a block lie in its room (38,R): places, velocities and presence; directions of links, weft and warp, in their place later cells; pull
+# and turn of the weft, of the warp; sliders after; energy lost.
+_MOTION, _LINES, _WEFT, _WARP, _AFTER, _LOST, _ALL = 0, 7, 19, 25, 31, 37, 38
+_CELL = _LINES
+_SUMS = 8  # partial sums of what a block loses, so that the additions need not wait for each other
 
 
 @kernel
 def _load(span, particle, positions, velocities, motion):  # type: ignore[no-untyped-def]
-    """Places and velocities of the slots into motion (6,R), 0 where a slot is empty; span: first slot, number of slots."""
+    """Places and velocities of the slots and 1 into motion (7,R), 0 where a slot is empty; span: first slot, number of slots."""
     first, count = span
-    x, y, z, u, v, w = motion[0], motion[1], motion[2], motion[3], motion[4], motion[5]
+    x, y, z, u, v, w, present = motion[0], motion[1], motion[2], motion[3], motion[4], motion[5], motion[6]
     for i in range(count):
         p = particle[first + i]
         if p >= 0:
             x[i], y[i], z[i], u[i], v[i], w[i] = positions[p, 0], positions[p, 1], positions[p, 2], velocities[p, 0], velocities[p, 1], velocities[p, 2]
+            present[i] = 1.0
         else:
-            x[i] = y[i] = z[i] = u[i] = v[i] = w[i] = 0.0
+            x[i] = y[i] = z[i] = u[i] = v[i] = w[i] = present[i] = 0.0
 
 
 @kernel
@@ -67,42 +75,79 @@ def _store(first, count, total, out):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def lattice_block(k, blocks, coefficients, setting, positions, velocities, rooms, out):  # type: ignore[no-untyped-def]
+def _keep(first, count, after, sliders):  # type: ignore[no-untyped-def]
+    """Sliders (6,R) of the slots from `first` in the room on into those (6,count) of the cloth."""
+    for row in range(SLIDERS):
+        one, into = after[row, first:], sliders[row]
+        for i in range(np.uint64(count)):
+            into[i] = one[i]
+
+
+@kernel
+def _total(first, count, lost):  # type: ignore[no-untyped-def]
+    """Sum of `count` numbers of lost (R,) from `first` on, in one fixed order."""
+    whole = count // _SUMS * _SUMS
+    a = b = c = d = e = f = g = h = 0.0
+    for i in range(first, first + whole, _SUMS):
+        a, b, c, d = a + lost[i], b + lost[i + 1], c + lost[i + 2], d + lost[i + 3]
+        e, f, g, h = e + lost[i + 4], f + lost[i + 5], g + lost[i + 6], h + lost[i + 7]
+    for i in range(first + whole, first + count):
+        a += lost[i]
+    return ((a + b) + (c + d)) + ((e + f) + (g + h))
+
+
+@kernel
+def lattice_block(k, blocks, fabric, setting, positions, velocities, rooms, out):  # type: ignore[no-untyped-def]
+    """One block; fabric: coefficients (18,S), sliders (6,S). It reads sliders of the rows around it, which another thread may be moving: a slider that was
+    moved for these positions is not moved again, so that it does not matter. Returns the energy lost [J]."""
+    coefficients, sliders = fabric
     room = rooms[numba.get_thread_id()]
     first, size, up = np.int64(blocks.first[k]), np.int64(blocks.size[k]), np.int64(blocks.columns[k])
     beside = np.int64(1)  # a literal would make the row kernels compile for a type of its own
-    h, damping_time = setting
+    h = setting[0]
     # slots from here on lie in the room: the lines of the rows below and above need a row more at either end
     origin = (first - 2 * up - LANES) // LANES * LANES
-    motion, lines, weft, warp = room[_MOTION:_LINES], room[_LINES:_WEFT], room[_WEFT:_WARP], room[_WARP:_CELL]
+    motion, lines, pull, after, lost = room[_MOTION:_LINES], room[_LINES:_WEFT], room[_WEFT:_AFTER], room[_AFTER:_LOST], room[_LOST]
+    lost[:] = 0.0
     _load((origin, first + size + 2 * up + 1 - origin), blocks.particle, positions, velocities, motion)
     # from the last multiple of LANES before the first element that is needed to the first one behind the last
-    begin = (first - 2) // LANES * LANES
-    count = (first + size + LANES - begin) // LANES * LANES
-    stretch_row((begin - origin, beside, count), origin, coefficients[_C_WEFT:_C_WARP], h, damping_time, motion, lines, weft)
-    begin = (first - 1) // LANES * LANES
-    count = (first + size + LANES - begin) // LANES * LANES
-    bend_row((begin - origin, beside, count), coefficients[_C_BEND_WEFT, begin:], lines, weft, weft[3:])
+    last = first + size + up - 1
+    begin = (first - up - 1) // LANES * LANES
+    count = (last + LANES - begin) // LANES * LANES
+    held = sliders[_S_WEFT], after[_S_WEFT], lost
+    stretch_row((begin - origin, beside, count), origin, coefficients[_C_WEFT:_C_WARP], setting, motion, lines, pull, held)
     begin = (first - 2 * up) // LANES * LANES
-    count = (first + size + up - 1 + LANES - begin) // LANES * LANES
-    stretch_row((begin - origin, up, count), origin, coefficients[_C_WARP:_C_SHEAR], h, damping_time, motion, lines, warp)
+    count = (last + LANES - begin) // LANES * LANES
+    held = sliders[_S_WARP], after[_S_WARP], lost
+    stretch_row((begin - origin, up, count), origin, coefficients[_C_WARP:_C_CELL], setting, motion, lines[4:], pull[6:], held)
     begin = (first - up) // LANES * LANES
-    count = (first + size + up - 1 + LANES - begin) // LANES * LANES
-    bend_row((begin - origin, up, count), coefficients[_C_BEND_WARP, begin:], lines, warp, warp[3:])
+    count = (last + LANES - begin) // LANES * LANES
+    bends = sliders[_S_BEND:], after[_S_BEND:], lost
+    bend_row((begin - origin, up, count), origin, coefficients[_C_BEND:], h, motion, lines, pull, bends)
     begin = (first - up - 1) // LANES * LANES
     count = (first + size - 1 + LANES - begin) // LANES * LANES
-    cell_row((begin - origin, up, count), coefficients[_C_SHEAR, begin:], coefficients[_C_TWIST, begin:], h, damping_time, motion, room[_CELL:_ALL])
+    cells = sliders[_S_CELL:], after[_S_CELL:], lost
+    cell_row((begin - origin, up, count), origin, coefficients[_C_CELL:], setting, motion, room[_CELL:_WEFT], cells)
     begin = first // LANES * LANES
     count = (first + size - 1 + LANES - begin) // LANES * LANES
     _sum((begin - origin, up, count), room, motion)
     _store(first - origin, size, motion, out.reshape(-1)[3 * first :])
+    _keep(first - origin, size, after, sliders[:, first:])
+    return _total(first - origin, size, lost)
 
 
 @kernel
-def write_lattice(blocks, coefficients, setting, rooms, positions, velocities, out):  # type: ignore[no-untyped-def]
-    """Force on the particle of each slot into out (S,3); setting: h [m], damping time [s]; rooms (threads,34,R): scratch of each thread."""
+def write_lattice(blocks, coefficients, setting, rooms, sliders, positions, velocities, out):  # type: ignore[no-untyped-def]
+    """Force on the particle of each slot into out (S,3); setting: h [m], damping time [s]; rooms (threads,38,R): scratch of each thread. Returns the energy
+    lost [J]."""
+    lost = 0.0
     for k in range(len(blocks.first)):
-        lattice_block(np.int64(k), blocks, coefficients, setting, positions, velocities, rooms, out)  # a cast, or it compiles for each of two types of k
+        # a cast, or it compiles for each of two types of k
+        lost += lattice_block(np.int64(k), blocks, (coefficients, sliders), setting, positions, velocities, rooms, out)
+    return lost
+
+
+_Law = LawStretch | LawShear | LawTwist | ForceBend
 
 
 class ForceLattice:
@@ -117,37 +162,61 @@ class ForceLattice:
     def __init__(self, cloth: Cloth, materials: MaterialTable, laws: tuple[str, ...] = LAWS, damping_time: float = 0.0) -> None:
         slots = LatticeSlots(cloth)
         inner = cloth.bends._replace(**{name: column[_inner(cloth, slots)] for name, column in cloth.bends._asdict().items()})
-        stretch, shear, twist, bend = LawStretch(cloth, materials), LawShear(cloth, materials), LawTwist(cloth, materials), ForceBend(inner, materials)
+        stretch, shear, twist = LawStretch(cloth, materials, slots), LawShear(cloth, materials, slots), LawTwist(cloth, materials, slots)
+        bend = ForceBend(inner, slots.across(inner.center, inner.direction), materials)
+        count = slots.count
+        row = np.where(inner.direction == WEFT, _S_BEND, _S_BEND + 1)
+        places = {"stretch": stretch.at, "shear": _S_CELL * count + shear.at, "twist": (_S_CELL + 1) * count + twist.at}
+        places["bend"] = row * count + slots.slot[inner.center]
         self.laws = tuple(law for law in (stretch, shear, twist, bend) if law.name in laws)
+        self._places = {law.name: places[law.name] for law in self.laws}
         self.damping_time = damping_time
         self._blocks, self._spacing = slots.blocks, cloth.spacing
-        self._coefficients = aligned_zeros(_C_BEND_WARP + 1, slots.count)
+        self._coefficients = aligned_zeros(_C_ALL, count)
+        self._coefficients[_WAYS] = NEVER
         if stretch in self.laws:
-            self._coefficients[_C_WEFT:_C_WARP], self._coefficients[_C_WARP:_C_SHEAR] = stretch.rows(slots)
+            stretch.write_rows(self._coefficients[:_C_CELL])
         if shear in self.laws:
-            self._coefficients[_C_SHEAR] = shear.rows(slots)
+            shear.write_rows(self._coefficients[_C_CELL : _C_CELL + 4])
         if twist in self.laws:
-            self._coefficients[_C_TWIST] = twist.rows(slots)
+            twist.write_rows(self._coefficients[_C_CELL + 4 : _C_BEND])
         if bend in self.laws:
-            self._coefficients[_C_BEND_WEFT], self._coefficients[_C_BEND_WARP] = bend.rows(slots, inner.direction)
-        numba.get_num_threads()  # kernels from the disk cache ask for the number of their thread, which no thread has before numba starts them
+            bend.write_rows(slots, inner.direction, self._coefficients[_C_BEND:])
+        numba.get_num_threads()  # starts the threads: before that a thread has no number by which it finds its room
         self._rooms = aligned_zeros(numba.config.NUMBA_NUM_THREADS, _ALL, slots.room)  # type: ignore[attr-defined]
         self.corners = slots.blocks.particle
 
     @property
     def arguments(self) -> tuple[Any, ...]:
-        """What `write_lattice` takes before positions, velocities and out."""
+        """What `write_lattice` takes before sliders, positions, velocities and out."""
         return self._blocks, self._coefficients, (self._spacing, self.damping_time), self._rooms
 
-    def write_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray) -> None:
-        write_lattice(*self.arguments, positions, velocities, out)
+    def slack(self) -> np.ndarray:
+        return self._spread(lambda law: law.slack())
 
-    def energies(self, positions: np.ndarray) -> dict[str, float]:
-        return {law.name: law.energy(positions) for law in self.laws}
+    def gauge(self, positions: np.ndarray) -> Gauge:
+        particle = np.full((SLIDERS, len(self.corners)), NO_PARTICLE)
+        curve = np.repeat(np.arange(SLIDERS)[:, None], len(self.corners), axis=1)
+        for law in self.laws:
+            particle.reshape(-1)[self._places[law.name]] = np.tile(self.corners, SLIDERS)[self._places[law.name]]
+        return Gauge(self._spread(lambda law: law.strain(positions)), self._spread(lambda law: law.way), curve, particle)
 
-    def energy(self, positions: np.ndarray) -> float:
+    def _spread(self, of_law: Callable[[_Law], np.ndarray]) -> np.ndarray:
+        found = aligned_zeros(SLIDERS, len(self.corners))
+        for law in self.laws:
+            found.reshape(-1)[self._places[law.name]] = of_law(law)
+        return found
+
+    def write_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray, sliders: np.ndarray | None = None) -> None:
+        write_lattice(*self.arguments, self.slack() if sliders is None else sliders, positions, velocities, out)
+
+    def energies(self, positions: np.ndarray, sliders: np.ndarray | None = None) -> dict[str, float]:
+        held = (self.slack() if sliders is None else sliders).reshape(-1)
+        return {law.name: law.energy(positions, held[self._places[law.name]]) for law in self.laws}
+
+    def energy(self, positions: np.ndarray, sliders: np.ndarray | None = None) -> float:
         """Stored energy [J] of all its laws."""
-        return sum(self.energies(positions).values())
+        return sum(self.energies(positions, sliders).values())
 
     def write_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
         self._gather_stiffness(lambda law, corners: law.write_stiffness(positions, corners), out)
@@ -155,7 +224,7 @@ class ForceLattice:
     def write_rest_stiffness(self, out: np.ndarray) -> None:
         """`write_stiffness` of stretch and shear at rest, wherever the panels lie."""
 
-        def at_rest(law: LawStretch | LawShear | LawTwist | ForceBend, corners: np.ndarray) -> None:
+        def at_rest(law: _Law, corners: np.ndarray) -> None:
             if isinstance(law, LawStretch | LawShear):
                 law.write_rest_stiffness(corners)
 
@@ -173,14 +242,18 @@ class ForceLattice:
 
 
 def contour_lines(cloth: Cloth, materials: MaterialTable) -> ForceBend:
-    """Bending of the lines of `cloth` that end on the contour."""
+    """Bending of the lines of `cloth` that are not in its lattice: they end on the contour, or find a normal only there."""
     outer = ~_inner(cloth, LatticeSlots(cloth))
-    return ForceBend(cloth.bends._replace(**{name: column[outer] for name, column in cloth.bends._asdict().items()}), materials)
+    lines = cloth.bends._replace(**{name: column[outer] for name, column in cloth.bends._asdict().items()})
+    return ForceBend(lines, across_lines(cloth.bends)[outer], materials)
 
 
 def _inner(cloth: Cloth, slots: LatticeSlots) -> np.ndarray:
-    """(B,) bool: bend lines between lattice neighbours at full spacing."""
+    """(B,) bool: bend lines between lattice neighbours at full spacing, whose centres have a neighbour across them too: a normal."""
     lines = cloth.bends
     whole = (lines.weight_a == 0.0) & (lines.weight_b == 0.0)
     whole &= np.isclose(lines.length_a, cloth.spacing, rtol=1e-9) & np.isclose(lines.length_b, cloth.spacing, rtol=1e-9)
-    return whole & slots.is_lattice_line(indices(lines.center), lines.arm_a[:, 0], lines.arm_b[:, 0], lines.direction)
+    whole &= slots.is_lattice_line(indices(lines.center), lines.arm_a[:, 0], lines.arm_b[:, 0], lines.direction)
+    inner = np.flatnonzero(whole)
+    whole[inner] = (slots.across(lines.center[inner], lines.direction[inner]) != lines.center[inner, None]).any(axis=1)
+    return whole

@@ -1,10 +1,10 @@
 """The lattice as padded rows: where lattice forces are computed, so that neighbours lie at fixed distances and long loops use wide instructions.
 
-Every panel's lattice fills a rectangle of slots, row after row, with one empty row below and above it. Slot i has its weft neighbour at i + 1 and its warp
-neighbour at i + columns. Every slot carries every element (weft link i to i + 1, warp link, cell to the upper right, weft and warp bend line centred at i);
-where an element does not exist, as at the end of a row, its coefficients are 0. So loops run on over row breaks. Blocks of rows are computed each by itself,
-elements first, then each slot adds up what concerns it, in one fixed order; elements between two blocks are computed in both. The blocks depend on the cloth
-alone: the same bits on any number of threads.
+Every panel's lattice fills a rectangle of slots, row after row, with an empty slot at the end of each row and one empty row below and above. Slot i has its
+weft neighbour at i + 1 and its warp neighbour at i + columns. Every slot carries every element (weft link i to i + 1, warp link, cell to the upper right,
+weft and warp bend line centred at i); where an element does not exist, as at the end of a row, its coefficients are 0. So loops run on over row breaks.
+Blocks of rows are computed each by itself, elements first, then each slot adds up what concerns it, in one fixed order; elements between two blocks are
+computed in both. The blocks depend on the cloth alone: the same bits on any number of threads.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from garmentcad.forces.force import NO_PARTICLE
 
 BLOCK = 1536  # slots of a block, about: so many that what is computed twice at its ends does not count, so few that its fields stay in a near cache
 PART = 128  # border triangles, contour lines, spans or hinges that are computed together
+NEVER = 1e30  # a strain that nothing reaches
 LANES = 8  # numbers in the widest registers: loops begin at multiples of it
 
 
@@ -59,7 +60,7 @@ class LatticeSlots:
             mine = np.flatnonzero(panel == number)
             if len(mine) == 0:
                 continue
-            width, height = place[mine].max(axis=0) + 1
+            width, height = place[mine].max(axis=0) + np.array([2, 1])  # an empty slot ends each row: neighbours across it are none
             start = max(end + width + 1, 2 * width + 2 * LANES)
             slot[mine] = start + place[mine, 1] * width + place[mine, 0]
             rows = np.linspace(0, height, min(max(1, round(width * height / BLOCK)), height) + 1).astype(np.int64)
@@ -85,11 +86,18 @@ class LatticeSlots:
         """Slots from each slot to its next neighbour along WARP or WEFT."""
         return np.ones(len(slots), dtype=np.int64) if direction == WEFT else self._columns[slots]
 
-    def spread(self, slots: np.ndarray, values: np.ndarray) -> np.ndarray:
-        """(S,) with the values at their slots and 0 elsewhere."""
-        field = np.zeros(self.count)
-        field[slots] = values
-        return field
+    def across(self, center: np.ndarray, direction: np.ndarray) -> np.ndarray:
+        """(N,2) particles before and behind each centre across a line along `direction` (N,), the centre in place of one that is missing; so ordered that
+        line x across points to the right side of the fabric."""
+        at = self.slot[center]
+        found = np.empty((len(center), 2), dtype=np.int64)
+        for axis, other, sides in ((WEFT, WARP, (-1, 1)), (WARP, WEFT, (1, -1))):
+            mine = direction == axis
+            step = self.step(at[mine], other)
+            for k, side in enumerate(sides):
+                there = self.blocks.particle[at[mine] + side * step]
+                found[mine, k] = np.where(there == NO_PARTICLE, center[mine], there)
+        return found
 
     def is_lattice_line(self, center: np.ndarray, arm_a: np.ndarray, arm_b: np.ndarray, direction: np.ndarray) -> np.ndarray:
         """(N,) bool: lines of three particles whose arms are the two neighbours of the centre along `direction` (N,)."""

@@ -1,22 +1,24 @@
 """Shear (trellis): the angle between warp and weft in each lattice cell.
 
     u = (x01 + x11 - x00 - x10)/(2 h) mean warp,  w = (x10 + x11 - x00 - x01)/(2 h) mean weft,  gamma = asin(u.w/(|u| |w|))   [rad]
-    E = A g(gamma)   [J]      T = g'(gamma) + tau G dgamma/dt   [N/m]
+    E = A g(gamma, s)   [J]      T = g'(gamma, s) + tau G_e dgamma/dt   [N/m]
 
-g [J/m2] is the elastic shear law of the sheet (fabric/law_shear.py), A the cell's area. Its gradient is exact: T A dgamma/du pulled back to the four corners.
+g [J/m2] is what the shear law of the sheet stores, s its slider (fabric/law_shear.py), A the cell's area. Its gradient is exact: T A dgamma/du pulled back
+to the four corners.
 Source: KES-FB1 shear, which measures the trellis angle; cells of four particles.
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
-from garmentcad.arrays import kernel
+from garmentcad.arrays import floats, kernel
 from garmentcad.cloth.cloth import WARP, Cells, Cloth
+from garmentcad.fabric.law_shear import HIGH, LOW, shear_energy, stick_coefficients
 from garmentcad.fabric.material import MaterialTable
-from garmentcad.forces.force import OneLaw
 from garmentcad.forces.rows import LatticeSlots
 from garmentcad.forces.smooth import angle_over_sine
 
@@ -45,42 +47,86 @@ def shear_angle(ux, uy, uz, wx, wy, wz):  # type: ignore[no-untyped-def]
     )  # fmt: skip
 
 
-class LawShear(OneLaw):
-    """Trellis shear of the cells of `cloth`."""
+class ShearCurves(NamedTuple):
+    """Arguments of `law_shear.shear`, (N,) each."""
+
+    stiffness: np.ndarray  # G_e, N/m per rad
+    low: np.ndarray
+    rise: np.ndarray
+    way: np.ndarray  # rad
+
+
+def shear_curves(materials: MaterialTable, rows: np.ndarray) -> ShearCurves:
+    """The curves of rows (N,) of a material table."""
+    low, rise = stick_coefficients(materials.shear_friction[rows], materials.shear_way[rows])
+    return ShearCurves(np.array(materials.shear[rows]), low, rise, np.where(low + rise > 0.0, materials.shear_way[rows], 0.0))
+
+
+@kernel
+def evaluate_energy(curves, angles, sliders, energy):  # type: ignore[no-untyped-def]
+    for i in range(len(angles)):
+        energy[i] = shear_energy(angles[i], sliders[i], curves.stiffness[i], curves.low[i], curves.rise[i], curves.way[i])
+
+
+def shear_energy_at(curves: ShearCurves, angles: np.ndarray, sliders: np.ndarray) -> np.ndarray:
+    """Stored energy per area [J/m2] of each angle (N,) [rad] with its slider (N,)."""
+    energy = np.empty(len(angles))
+    evaluate_energy(curves, floats(angles), floats(sliders), energy)
+    return energy
+
+
+def largest_shear_stiffness(curves: ShearCurves, angles: np.ndarray) -> np.ndarray:
+    """Bound [N/m per rad] of the tangent at each angle (N,), whatever its slider; (1 + |gamma| + d) covers the curvature of gamma."""
+    size = np.abs(angles)
+    stick = curves.low + curves.rise * np.clip(size - LOW, 0.0, HIGH - LOW)
+    return np.asarray((curves.stiffness + stick) * (1.0 + size + curves.way) + np.abs(curves.rise) * curves.way)
+
+
+class LawShear:
+    """Trellis shear of the cells of `cloth`. at: (C,) places of their sliders among the (S,) of cells."""
 
     name = "shear"
 
-    def __init__(self, cloth: Cloth, materials: MaterialTable) -> None:
+    def __init__(self, cloth: Cloth, materials: MaterialTable, slots: LatticeSlots) -> None:
         self._cells = cloth.cells
-        self._stiffness = np.array(materials.shear[cloth.cells.material])
+        self._curves = shear_curves(materials, cloth.cells.material)
         self.corners = cloth.cells.corners.ravel()
+        self.way = self._curves.way
+        self.at = cell_slots(cloth.cells, slots)
 
-    def rows(self, slots: LatticeSlots) -> np.ndarray:
-        """G A (S,) of the cell whose corner 00 is at the slot, J."""
-        return slots.spread(cell_slots(self._cells, slots), self._stiffness * self._cells.shear_area)
+    def write_rows(self, out: np.ndarray) -> None:
+        """Into out (4,S), of the cell whose corner 00 is at the slot: G_e A and the stick spring's two times A [J], d [rad]."""
+        area = self._cells.shear_area
+        out[:, self.at] = np.stack([self._curves.stiffness * area, self._curves.low * area, self._curves.rise * area, self._curves.way])
+
+    def slack(self) -> np.ndarray:
+        return np.zeros(len(self.at))
 
     def _angle_and_lengths(self, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         x00, x10, x11, x01 = (positions[self._cells.corners[:, k]] for k in range(4))
         half = 0.5 / self._cells.spacing[:, None]
         return angle_and_lengths(half * (x01 + x11 - x00 - x10), half * (x10 + x11 - x00 - x01))
 
-    def energy(self, positions: np.ndarray) -> float:
-        gamma, _, _ = self._angle_and_lengths(positions)
-        return float(np.sum(0.5 * self._stiffness * gamma * gamma * self._cells.shear_area))
+    def strain(self, positions: np.ndarray) -> np.ndarray:
+        return self._angle_and_lengths(positions)[0]
+
+    def energy(self, positions: np.ndarray, sliders: np.ndarray) -> float:
+        return float(np.sum(shear_energy_at(self._curves, self.strain(positions), sliders) * self._cells.shear_area))
 
     def write_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
-        gamma, warp, weft = self._angle_and_lengths(positions)
-        self._write_bound(np.abs(gamma), 1.0 / warp + 1.0 / weft, out)
+        self._write_bound(*self._angle_and_lengths(positions), out)
 
     def write_rest_stiffness(self, out: np.ndarray) -> None:
-        """`write_stiffness` at rest, wherever the panels lie."""
-        self._write_bound(np.zeros(len(self._stiffness)), np.full(len(self._stiffness), 2.0), out)
+        """Row sums without friction, at rest, wherever the panels lie."""
+        out[:] = np.repeat(self._curves.stiffness * self._cells.shear_area * 2.0 / self._cells.spacing**2, 4)
 
-    def _write_bound(self, gamma: np.ndarray, inverse_lengths: np.ndarray, out: np.ndarray) -> None:
-        # |dgamma/dx| <= (1/|u| + 1/|w|)/(2 h) at each of four corners; (1 + |gamma|) covers the curvature of gamma
-        cells = self._cells
-        gradient = inverse_lengths / (2.0 * cells.spacing)
-        out[:] = np.repeat(self._stiffness * cells.shear_area * (1.0 + gamma) * 4.0 * gradient * gradient, 4)
+    def _write_bound(self, gamma: np.ndarray, warp: np.ndarray, weft: np.ndarray, out: np.ndarray) -> None:
+        # |dgamma/dx|^2 = (1/|u|^2 + 1/|w|^2 -+ 2 sin(gamma)/(|u| |w|))/(2 h)^2 at the corners 00 and 11, and at 10 and 01
+        cells, u, w = self._cells, 1.0 / warp, 1.0 / weft
+        lean = 2.0 * np.sin(gamma) * u * w
+        along, across = (np.sqrt(np.maximum(u * u + w * w + sign * lean, 0.0)) / (2.0 * cells.spacing) for sign in (-1.0, 1.0))
+        scale = largest_shear_stiffness(self._curves, gamma) * cells.shear_area * 2.0 * (along + across)
+        out[:] = (np.stack([along, across, along, across], axis=1) * scale[:, None]).ravel()
 
 
 def cell_slots(cells: Cells, slots: LatticeSlots) -> np.ndarray:

@@ -1,10 +1,11 @@
 """Stretch and repel: tension along warp and weft in the lattice links.
 
-    E = w l0 f(e)   [J]      e = |x_b - x_a|/l0 - 1
-    F = w (T(e) + tau k de/dt)   [N] along the link
+    E = w l0 f(e, s)   [J]      e = |x_b - x_a|/l0 - 1
+    F = w (T(e, s) + tau k de/dt)   [N] along the link
 
-T [N/m] is the tensile curve of the sheet and f [J/m2] its integral (fabric/law_tension.py), w the tributary width, l0 the rest length. Damping acts on the
-strain rate alone, with the initial slope k of the curve: when a link stiffens its damping ratio falls, so that damping never costs time step.
+T [N/m] is the tensile law of the sheet, s its slider, and f [J/m2] what it stores (fabric/law_tension.py), w the tributary width, l0 the rest length.
+Damping acts on the strain rate alone, with the initial slope k of the curve: when a link stiffens its damping ratio falls, so that damping never costs time
+step.
 Source: KES-FB1 curve; pairs of lattice neighbours after Provot (1995).
 """
 
@@ -16,41 +17,55 @@ import numpy as np
 
 from garmentcad.arrays import kernel
 from garmentcad.cloth.cloth import WARP, WEFT, Cloth
+from garmentcad.fabric.internal_friction import dragged
+from garmentcad.fabric.law_tension import WAY
 from garmentcad.fabric.material import MaterialTable
-from garmentcad.forces.force import OneLaw
 from garmentcad.forces.rows import LatticeSlots
 from garmentcad.forces.smooth import expm1_smooth
-from garmentcad.forces.tension_curves import TensionCurves, tension_at, tension_curves
+from garmentcad.forces.tension_curves import TensionCurves, largest_tension_at, tension_curves, tension_energy_at
 
 LEAST_EXPONENT = 1e-9  # a linear curve is one with this exponent: it differs by less than the tenth digit
 SHORTEST = 1e-2  # in units of the rest length: shorter links lose their force, since one without length has no direction
 
-# Coefficients of a link from each slot to its neighbour: x/em; w k em/x [N]; em. The slope beyond em, k + x Fm/em, is k exp(x).
-COEFFICIENTS = 3
+# Coefficients of a link from each slot to its neighbour: x/em; w k em/x [N]; em; c/(WAY em). The slope beyond em, k + x Fm/em, is k exp(x).
+COEFFICIENTS = 4
 
 
 @kernel
-def tension_force(strain, damped_rate, rate, amplitude, em):  # type: ignore[no-untyped-def]
-    """T + tau k de/dt from strain, tau de/dt, x/em, k em/x and em: the curve of law_tension.py with its tangents beyond 0 and em, without branches."""
+def tension_force(strain, damped_rate, slider, rate, amplitude, em, stick):  # type: ignore[no-untyped-def]
+    """T + tau k de/dt from strain, tau de/dt, slider and coefficients, the slider after it and what it lost over its length: law_tension.py, without
+    branches."""
     inside = min(max(strain, 0.0), em)
     growth = expm1_smooth(rate * inside)
-    return amplitude * (growth + rate * ((1.0 + growth) * (strain - inside) + damped_rate))
+    slope = rate * (1.0 + growth)
+    curve = growth + slope * (strain - inside)
+    way = WAY * em
+    after = dragged(slider, strain, way)
+    held = strain - after
+    share = 1.0 + (stick * (held - way) if strain > 0.0 else 0.0)
+    # H at the middle of the stick spring, by the tangent
+    gone = stick * way * max(curve - 0.5 * slope * held, 0.0) * abs(after - slider)
+    return amplitude * (curve * share + rate * damped_rate), after, amplitude * gone
 
 
 @kernel
-def stretch_row(span, origin, links, rest, damping_time, motion, lines, pull):  # type: ignore[no-untyped-def]
+def stretch_row(span, origin, links, setting, motion, lines, pull, held):  # type: ignore[no-untyped-def]
     """Links from each slot to a neighbour; span: first slot in the room, slots to the neighbour, number of links; origin: slot at which the room begins.
 
-    links (3,S): coefficients; motion (6,R). Into lines (4,R): the direction, shortened where a link is shorter than SHORTEST, and
-    1/length; into pull (3+,R): the force on the first end.
+    links (4,S): coefficients; setting: rest length, damping time; motion (6+,R). Into lines (4,R): the direction, shortened where a link is shorter than
+    SHORTEST, and 1/length; into pull (3+,R): the force on the first end. held: sliders (S,) before, (R,) after, energy lost (R,) [J].
     """
     first, step, count = span
+    rest, damping_time = setting
+    before, after, lost = held
     second = first + step
     xa, ya, za, xb, yb, zb = motion[0, first:], motion[1, first:], motion[2, first:], motion[0, second:], motion[1, second:], motion[2, second:]
     ua, va, wa, ub, vb, wb = motion[3, first:], motion[4, first:], motion[5, first:], motion[3, second:], motion[4, second:], motion[5, second:]
-    rate, amplitude, em = links[0, origin + first :], links[1, origin + first :], links[2, origin + first :]
+    here = origin + first
+    rate, amplitude, em, stick = links[0, here:], links[1, here:], links[2, here:], links[3, here:]
     ex, ey, ez, inverses = lines[0, first:], lines[1, first:], lines[2, first:], lines[3, first:]
     fx, fy, fz = pull[0, first:], pull[1, first:], pull[2, first:]
+    slider, moved, gone = before[here:], after[first:], lost[first:]
     inverse_rest, shortest = 1.0 / rest, SHORTEST * rest
     damping = damping_time * inverse_rest
     for i in range(np.uint64(count)):
@@ -59,56 +74,63 @@ def stretch_row(span, origin, links, rest, damping_time, motion, lines, pull):  
         inverse = 1.0 / max(length, shortest)
         dx, dy, dz = dx * inverse, dy * inverse, dz * inverse
         speed = (ub[i] - ua[i]) * dx + (vb[i] - va[i]) * dy + (wb[i] - wa[i]) * dz
-        force = tension_force(length * inverse_rest - 1.0, damping * speed, rate[i], amplitude[i], em[i])
+        force, moved[i], density = tension_force(length * inverse_rest - 1.0, damping * speed, slider[i], rate[i], amplitude[i], em[i], stick[i])
+        gone[i] += rest * density
         ex[i], ey[i], ez[i], inverses[i] = dx, dy, dz, inverse
         fx[i], fy[i], fz[i] = force * dx, force * dy, force * dz
 
 
 def tension_coefficients(curves: TensionCurves, rows: np.ndarray, width: np.ndarray | float = 1.0) -> np.ndarray:
-    """What `tension_force` needs of the curves in `rows` (N,), times width [m]: (3,N)."""
+    """What `tension_force` needs of the curves in `rows` (N,), times width [m]: (4,N)."""
     exponent = curves.exponent[rows]
     exponent = np.where(np.abs(exponent) < LEAST_EXPONENT, LEAST_EXPONENT, exponent)
     rate = exponent / curves.em[rows]
-    return np.stack([rate, width * curves.slope[rows] / rate, curves.em[rows]])
+    em = curves.em[rows]
+    return np.stack([rate, width * curves.slope[rows] / rate, em, curves.friction[rows] / (WAY * em)])
 
 
-class LawStretch(OneLaw):
-    """Tension of the links of `cloth`."""
+class LawStretch:
+    """Tension of the links of `cloth`. at: (L,) places of their sliders among the (2 S,) of weft and then warp links."""
 
     name = "stretch"
 
-    def __init__(self, cloth: Cloth, materials: MaterialTable) -> None:
-        self._links = cloth.links
-        self._curve = 2 * cloth.links.material + cloth.links.direction
+    def __init__(self, cloth: Cloth, materials: MaterialTable, slots: LatticeSlots) -> None:
+        self._links = links = cloth.links
+        self._curve = 2 * links.material + links.direction
         self._curves = tension_curves(materials)
-        self.corners = cloth.links.ends.ravel()
-
-    def rows(self, slots: LatticeSlots) -> tuple[np.ndarray, np.ndarray]:
-        """Coefficients (3,S) of the weft links and of the warp links."""
-        links = self._links
-        columns = tension_coefficients(self._curves, self._curve, links.width)
-        found = []
+        self.corners = links.ends.ravel()
+        self.way = WAY * self._curves.em[self._curve]
+        a, b = slots.slot[links.ends].T
+        first = np.minimum(a, b)
         for direction in (WEFT, WARP):
-            mine = np.flatnonzero(links.direction == direction)
-            a, b = slots.slot[links.ends[mine]].T
-            at = np.minimum(a, b)
-            if not (np.maximum(a, b) - at == slots.step(at, direction)).all():
+            mine = links.direction == direction
+            if not (np.maximum(a, b) - first == slots.step(first, direction))[mine].all():
                 raise ValueError("a link does not join two neighbours of the lattice")
-            found.append(np.stack([slots.spread(at, column[mine]) for column in columns]))
-        return found[0], found[1]
+        self.at = np.where(links.direction == WEFT, first, slots.count + first)
 
-    def _strain(self, positions: np.ndarray) -> np.ndarray:
+    def write_rows(self, out: np.ndarray) -> None:
+        """Coefficients of the weft links and then of the warp links into out (8,S)."""
+        columns = tension_coefficients(self._curves, self._curve, self._links.width)
+        for k, direction in enumerate((WEFT, WARP)):
+            mine = self._links.direction == direction
+            out[COEFFICIENTS * k : COEFFICIENTS * (k + 1), self.at[mine] - k * out.shape[1]] = columns[:, mine]
+
+    def slack(self) -> np.ndarray:
+        """Sliders (L,) of links that were never stretched."""
+        return -self.way
+
+    def strain(self, positions: np.ndarray) -> np.ndarray:
         ends = self._links.ends
         return np.linalg.norm(positions[ends[:, 1]] - positions[ends[:, 0]], axis=1) / self._links.rest_length - 1.0
 
-    def energy(self, positions: np.ndarray) -> float:
-        energy, _, _ = tension_at(self._curves, self._curve, self._strain(positions))
+    def energy(self, positions: np.ndarray, sliders: np.ndarray) -> float:
+        energy = tension_energy_at(self._curves, self._curve, self.strain(positions), sliders)
         return float(np.sum(energy * self._links.width * self._links.rest_length))
 
     def write_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
         # |K_aa| + |K_ab| = 2 max(T', T/(1 + e)) w/l0: along the link, and across it, where only tension stiffens
-        strain = self._strain(positions)
-        _, force, tangent = tension_at(self._curves, self._curve, strain)
+        strain = self.strain(positions)
+        force, tangent = largest_tension_at(self._curves, self._curve, strain)
         across = np.where(strain > 0.0, force / (1.0 + np.maximum(strain, 0.0)), 0.0)
         out[:] = np.repeat(2.0 * np.maximum(tangent, across) * self._links.width / self._links.rest_length, 2)
 

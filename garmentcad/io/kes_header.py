@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from typing import NamedTuple
 
-from garmentcad.fabric.quantity import QUANTITIES
+from garmentcad.fabric.fast import FAST_QUANTITIES
+from garmentcad.fabric.quantity import QUANTITIES, Quantity
+
+FIT_QUANTITIES = QUANTITIES | FAST_QUANTITIES  # what a table for `fabric fit` may hold
 
 _WORDS: dict[tuple[str, ...], str] = {
-    **{(name.lower(),): name for name in QUANTITIES},
+    **{(name.lower(),): name for name in FIT_QUANTITIES},
     ("mass", "per", "unit", "area"): "W",
     ("areal", "density"): "W",
     ("weight",): "W",
@@ -30,16 +34,20 @@ _WORDS: dict[tuple[str, ...], str] = {
     ("friction", "coefficient"): "MIU",
     ("coefficient", "of", "friction"): "MIU",
     ("geometrical", "roughness"): "SMD",
+    ("bending", "length"): "C",
+    ("bias", "extension"): "EB5",
+    ("overhang", "length"): "overhang",
+    ("cantilever", "length"): "overhang",
 }
 _DIRECTIONS = {"warp": "warp", "1": "warp", "weft": "weft", "filling": "weft", "2": "weft", "bias": "bias", "mean": "mean", "average": "mean", "avg": "mean"}
-_NUMBERED = re.compile(r"(lt|wt|rt|emt|2hg5|2hg|2hb|b|g)([12])")  # B1, B2: the testers' numbers of warp and weft
+_NUMBERED = re.compile(r"(lt|wt|rt|emt|2hg5|2hg|2hb|b|g|c)([12])")  # B1, B2: the testers' numbers of warp and weft
 
 # Letters of the unit run together -> factor to the testers' unit. A label without a unit is in the testers' unit.
 _UNITS: dict[str, dict[str, float]] = {
     "-": {"": 1.0},
     "%": {"": 1.0, "%": 1.0, "pct": 1.0, "percent": 1.0},
     "mg/cm2": {"": 1.0, "mgcm2": 1.0, "gm2": 0.1, "gsm": 0.1},
-    "mm": {"": 1.0, "mm": 1.0},
+    "mm": {"": 1.0, "mm": 1.0, "cm": 10.0},
     "um": {"": 1.0, "um": 1.0, "micron": 1.0},
     "gf/cm": {"": 1.0, "gfcm": 1.0, "nm": 1.0 / 0.980665},
     "gf.cm/cm2": {"": 1.0, "gfcmcm2": 1.0, "jm2": 1.0 / 0.980665},
@@ -64,11 +72,11 @@ def label_words(text: str) -> list[str]:
     return [word for word in re.split(r"[^a-z0-9%]+", plain) if word]
 
 
-def read_label(text: str) -> Label | None:
-    """Meaning of a label, or None where any part of it is not understood (`B sd`, `DC %`, `B [lbf in]`)."""
+def read_label(text: str, quantities: Mapping[str, Quantity] = QUANTITIES) -> Label | None:
+    """Meaning of a label among `quantities`, or None where any part of it is not understood (`B sd`, `DC %`, `B [lbf in]`)."""
     words: list[str] = []
     for word in label_words(text):
-        numbered = _NUMBERED.fullmatch(word) if word.upper() not in QUANTITIES else None
+        numbered = _NUMBERED.fullmatch(word) if word.upper() not in FIT_QUANTITIES else None
         words += [numbered[1], numbered[2]] if numbered else [word]
     found = [(start, -len(name), name) for name in _WORDS for start in range(len(words)) if tuple(words[start : start + len(name)]) == name]
     if not found:
@@ -76,7 +84,9 @@ def read_label(text: str) -> Label | None:
     start, _, matched = min(found)  # the earliest, and of those the longest: the g of `weight g/m2` is a unit
     name = _WORDS[matched]
     words = [*words[:start], *words[start + len(matched) :]]
-    quantity = QUANTITIES[name]
+    if name not in quantities:
+        return None
+    quantity = quantities[name]
     way, rest = "", []
     for word in words:
         if quantity.directions and not way and _DIRECTIONS.get(word) in quantity.directions:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import zipfile
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -17,18 +18,19 @@ from garmentcad.io.yaml_file import read_yaml
 from garmentcad.mannequin.human import KINDS, HumanModel
 from garmentcad.mannequin.make import make_mannequin
 from garmentcad.mannequin.mannequin import Mannequin
+from garmentcad.mannequin.pads import ShoulderPads
 from garmentcad.mannequin.pose import ARM_ANGLE_DEG
 from garmentcad.mannequin.scan import mannequin_of_scan
 
-_KEYS = {"schema", "units", "kind", "description", "source", "measurements", "arm_angle"}
+_KEYS = {"schema", "units", "kind", "description", "source", "measurements", "arm_angle", "shoulder_pads", "form"}
 
 
 def mannequin_names() -> list[str]:
-    """Names of the shipped mannequins."""
-    return shipped_names("mannequins")
+    """Names of the shipped mannequins, by kind and size."""
+    return sorted(shipped_names("mannequins"), key=lambda name: (name.partition("-")[0], int(name.partition("-")[2])))
 
 
-@functools.lru_cache(maxsize=4)
+@functools.lru_cache(maxsize=8)
 def read_mannequin(name_or_path: str | Path) -> Mannequin:
     """A mannequin from a shipped name (woman-88), a YAML file of measurements, or an OBJ, PLY, STL or GLB scan (see `read_mesh`).
 
@@ -45,14 +47,27 @@ def read_mannequin(name_or_path: str | Path) -> Mannequin:
     if suffix not in (".yaml", ".yml", "") or (suffix == "" and "/" in text):
         raise FileError(f"the ending {suffix!r} is not that of a mannequin; allowed: .yaml, {', '.join(MESH_ENDINGS)}", file=text)
     path = Path(text) if suffix else shipped_file("mannequins", text)
-    spec = _checked(read_yaml(path), text)
+    spec = checked_spec(read_yaml(path), text)
     try:
-        return make_mannequin(read_human(spec["kind"]), spec["measurements"], name=path.stem, arm_angle_deg=spec.get("arm_angle", ARM_ANGLE_DEG))
+        return mannequin_of(spec, path.stem)
     except MannequinError as fault:
         raise MannequinError(fault.message, file=text, key=fault.key) from None
 
 
-def _checked(data: Any, file: str) -> dict[str, Any]:
+def mannequin_of(spec: dict[str, Any], name: str) -> Mannequin:
+    """The mannequin of a checked spec. MannequinError (with key) for measurements that are refused."""
+    return make_mannequin(
+        read_human(spec["kind"]),
+        spec["measurements"],
+        name=name,
+        arm_angle_deg=spec.get("arm_angle", ARM_ANGLE_DEG),
+        pads=None if spec.get("shoulder_pads") is None else ShoulderPads(**spec["shoulder_pads"]),
+        form=spec.get("form", False),
+    )
+
+
+def checked_spec(data: Any, file: str) -> dict[str, Any]:
+    """The content of a mannequin file. MannequinError (file, key) for what is refused before a body is made."""
     if not isinstance(data, dict):
         raise MannequinError(f"a mapping is wanted, with {', '.join(sorted(_KEYS))}; this is a {type(data).__name__}", file=file)
     for key in data:
@@ -68,6 +83,13 @@ def _checked(data: Any, file: str) -> dict[str, Any]:
     angle = data.get("arm_angle", ARM_ANGLE_DEG)
     if isinstance(angle, bool) or not isinstance(angle, int | float):
         raise MannequinError(f"{angle!r} is not a number of degrees", file=file, key="arm_angle")
+    if not isinstance(data.get("form", False), bool):
+        raise MannequinError(f"{data['form']!r} is refused; allowed: true, false", file=file, key="form")
+    pads, names = data.get("shoulder_pads"), {field.name for field in fields(ShoulderPads)}
+    if pads is not None and (not isinstance(pads, dict) or "thickness" not in pads or not set(pads) <= names):
+        raise MannequinError(
+            f"a mapping with thickness and, if wanted, {', '.join(sorted(names - {'thickness'}))} in mm is wanted", file=file, key="shoulder_pads"
+        )
     return data
 
 
@@ -97,6 +119,7 @@ def read_human(kind: str) -> HumanModel:
             joints=frozen(arrays["joints"][keep]),
             joint_targets=frozen(arrays["joint_targets"][np.ix_(mine, keep)]),
             arm_weight=frozen(arrays["arm_weight"].astype(np.float64)),
+            leg_weight=frozen(arrays["leg_weight"].astype(np.float64)),
             landmarks={name.removesuffix(suffix): vertex for name, vertex in marks.items() if not name.endswith(others)},
             part_names=tuple(str(name) for name in arrays["part_names"]),
             face_part=frozen(arrays["face_part"]),

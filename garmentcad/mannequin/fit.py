@@ -10,85 +10,79 @@ from scipy.optimize import lsq_linear
 
 from garmentcad.mannequin.human import HumanModel, Shape, build_names, build_weights
 from garmentcad.mannequin.stand import stand, wanted_heights
-from garmentcad.mannequin.tapes import GIRTHS, taped
+from garmentcad.mannequin.tapes import taped
 from garmentcad.units import MM_TO_M
 
 _STEPS = 12
 _FIRST_BOX = 0.3  # largest change of a parameter in one step; halved when a step does not help
 _LAST_BOX = 0.02
 _ROOM = 1e-9  # keeps the box of a parameter at its bound open
-_SIGMA = {"neck_base": 0.006, "wrist": 0.004}  # m; what is left is corrected exactly afterwards
-_GIRTH_SIGMA = 0.002  # m, the other girths
 _LENGTH_SIGMA = 0.004  # m
-_BUILD_SIGMA = 0.25  # muscle, weight around 1/2
-_DIRECTION_SIGMA = 0.35  # measure directions around 0
 _SHOULDER_RISE = 0.94  # horizontal share of the shoulder seam (cosine of its slope)
-_HEIGHTS = ("napetowaist-dist", "waisttohip-dist", "neck-height", "upperleg-height", "lowerleg-height")  # standing sets heights
 
 
-class _Space(NamedTuple):
-    """What the parameters (muscle, weight, free directions) mean."""
+class Space(NamedTuple):
+    """What the parameters (muscle, weight, free directions) mean, how far they go, and what counts."""
 
-    sizes: Mapping[str, float]
-    builds: list[int]
-    free: list[int]
-    sigma: np.ndarray
-    prior: np.ndarray
+    free: list[int]  # targets
+    lowest: np.ndarray
+    highest: np.ndarray
+    prior: np.ndarray  # the start too
+    sigma: np.ndarray  # of the parameters around the prior
+    held: np.ndarray  # (T,) weights of the other targets
+    girth_sigma: Mapping[str, float]  # m; what is left of the girths is corrected exactly afterwards
 
 
-def fit_weights(model: HumanModel, sizes: Mapping[str, float]) -> np.ndarray:
-    """Target weights (T,) for the measurements (full set, mm): girths of GIRTHS, arm length and shoulder width; muscle and weight are free in 0..1."""
-    names = list(model.target_names)
-    left_out = (*build_names("woman"), *build_names("man"), *_HEIGHTS, "firmness", *(("cup",) if model.kind == "man" else ()))
-    free = [k for k, name in enumerate(names) if name not in left_out]
-    sigma = np.r_[_BUILD_SIGMA, _BUILD_SIGMA, np.full(len(free), _DIRECTION_SIGMA)]
-    prior = np.r_[0.5, 0.5, np.zeros(len(free))]
-    space = _Space(sizes, [names.index(name) for name in build_names(model.kind)], free, sigma, prior)
-    lowest = np.r_[0.0, 0.0, np.full(len(free), -1.0)]
-    parameters, box = prior, _FIRST_BOX
-    residuals, jacobian = _residuals(model, space, parameters)
+def fit(model: HumanModel, space: Space, sizes: Mapping[str, float]) -> np.ndarray:
+    """Parameters whose body comes nearest to the measurements (full set, mm): the girths of the space, arm length and shoulder width."""
+    parameters, box = space.prior, _FIRST_BOX
+    residuals, jacobian = _residuals(model, space, sizes, parameters)
     for _ in range(_STEPS):
-        low, high = np.maximum(lowest - parameters, -box) - _ROOM, np.minimum(1.0 - parameters, box) + _ROOM
-        trial = np.clip(parameters + lsq_linear(jacobian, -residuals, bounds=(low, high), method="bvls").x, lowest, 1.0)
-        trial_residuals, trial_jacobian = _residuals(model, space, trial)
+        low, high = np.maximum(space.lowest - parameters, -box) - _ROOM, np.minimum(space.highest - parameters, box) + _ROOM
+        trial = np.clip(parameters + lsq_linear(jacobian, -residuals, bounds=(low, high), method="bvls").x, space.lowest, space.highest)
+        trial_residuals, trial_jacobian = _residuals(model, space, sizes, trial)
         if trial_residuals @ trial_residuals < residuals @ residuals:
             parameters, residuals, jacobian = trial, trial_residuals, trial_jacobian
         else:
             box *= 0.5
             if box < _LAST_BOX:
                 break
-    return _weights(model, space, parameters)
+    return parameters
 
 
-def _weights(model: HumanModel, space: _Space, parameters: np.ndarray) -> np.ndarray:
-    weights = np.zeros(len(model.target_names))
-    weights[space.builds] = build_weights(parameters[0], parameters[1])[0]
+def target_weights(model: HumanModel, space: Space, parameters: np.ndarray) -> np.ndarray:
+    """(T,) weights of all targets."""
+    weights = space.held.copy()
+    weights[_builds(model)] = build_weights(parameters[0], parameters[1])[0]
     weights[space.free] = parameters[2:]
     return weights
 
 
-def _residuals(model: HumanModel, space: _Space, parameters: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _builds(model: HumanModel) -> list[int]:
+    return [model.target_names.index(name) for name in build_names(model.kind)]
+
+
+def _residuals(model: HumanModel, space: Space, sizes: Mapping[str, float], parameters: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Residuals over their sigmas and the Jacobian by the parameters. The planes are held still in the derivatives (standing puts heights back)."""
-    shape = model.shape(_weights(model, space, parameters))
-    body, scale = stand(model, shape, space.sizes)
-    heights = wanted_heights(model.kind, space.sizes)
+    shape = model.shape(target_weights(model, space, parameters))
+    body, scale = stand(model, shape, sizes)
+    heights = wanted_heights(model.kind, sizes)
     lowest, top = int(shape.points[:, 1].argmin()), model.landmarks["top"]
     growth = -scale * (model.targets[:, top, 1] - model.targets[:, lowest, 1]) / heights["stature"]  # of the scale, relative
     values, rows = [], []
-    for name in GIRTHS:
+    for name, sigma in space.girth_sigma.items():
         result = taped(name, model, body, heights)
         start, end, share, _ = result.section
         pull = scale * result.gradient
         by_target = np.einsum("k,kc,tkc->t", 1 - share, pull, model.targets[:, start]) + np.einsum("k,kc,tkc->t", share, pull, model.targets[:, end])
-        sigma = _SIGMA.get(name, _GIRTH_SIGMA)
-        values.append((result.girth - MM_TO_M * space.sizes[name]) / sigma)
+        values.append((result.girth - MM_TO_M * sizes[name]) / sigma)
         rows.append((by_target + growth * result.girth) / sigma)
-    for value, by_target in _lengths(model, body, space.sizes, scale, growth):
+    for value, by_target in _lengths(model, body, sizes, scale, growth):
         values.append(value / _LENGTH_SIGMA)
         rows.append(by_target / _LENGTH_SIGMA)
     _, by_muscle, by_weight = build_weights(parameters[0], parameters[1])
     by_targets = np.array(rows)
-    by_build = by_targets[:, space.builds]
+    by_build = by_targets[:, _builds(model)]
     jacobian = np.column_stack([by_build @ by_muscle, by_build @ by_weight, by_targets[:, space.free]])
     return np.r_[values, (parameters - space.prior) / space.sigma], np.vstack([jacobian, np.diag(1 / space.sigma)])
 

@@ -18,7 +18,7 @@ class Shape(NamedTuple):
     joints: dict[str, np.ndarray]  # (3,) m: shoulder, elbow, wrist, hip, knee, ankle, neck, head; waist_level, hip_level: the height alone counts
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class HumanModel:
     """The left half (x >= 0) of the bodies of one kind (woman or man), linear in its targets.
 
@@ -37,6 +37,7 @@ class HumanModel:
     joints: np.ndarray  # (J,3)
     joint_targets: np.ndarray  # (T,J,3)
     arm_weight: np.ndarray  # (N,) 0 torso .. 1 arm
+    leg_weight: np.ndarray  # (N,) 0 torso .. 1 leg
     landmarks: dict[str, int]  # vertex of nape, neck_front, crotch, top, bust_point, shoulder_point, armpit
     part_names: tuple[str, ...]  # torso, arm, leg, head
     face_part: np.ndarray  # (M,) int32

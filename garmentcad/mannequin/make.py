@@ -7,36 +7,54 @@ from collections.abc import Mapping
 import numpy as np
 
 from garmentcad.arrays import floats, frozen, indices
+from garmentcad.errors import MannequinError
 from garmentcad.mannequin.correct import correct_girths
-from garmentcad.mannequin.fit import fit_weights
+from garmentcad.mannequin.form import dress_form
+from garmentcad.mannequin.gap import check_apart, facings
+from garmentcad.mannequin.grade import standing_body
 from garmentcad.mannequin.human import HumanModel
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.mannequin.marks import TABLE, cylinders, landmarks, measurements
-from garmentcad.mannequin.pose import ARM_ANGLE_DEG, check_apart, pose_arms, pose_legs, stretch_arms
+from garmentcad.mannequin.pads import ShoulderPads, pad_shoulders
+from garmentcad.mannequin.pose import ARM_ANGLE_DEG, pose_arms, pose_legs, stretch_arms
+from garmentcad.mannequin.rig import rig_of
 from garmentcad.mannequin.sizes import full_sizes
-from garmentcad.mannequin.stand import stand, wanted_heights
+from garmentcad.mannequin.stand import wanted_heights
+from garmentcad.mannequin.tapes import GIRTHS
 from garmentcad.units import MM_TO_M
 
+_REACHED_MM = 2.0
 PART_NAMES = ("torso", "arm_left", "arm_right", "leg_left", "leg_right", "head")
 
 
-def make_mannequin(model: HumanModel, given: Mapping[str, float], *, name: str, arm_angle_deg: float = ARM_ANGLE_DEG) -> Mannequin:
+def make_mannequin(
+    model: HumanModel,
+    given: Mapping[str, float],
+    *,
+    name: str,
+    arm_angle_deg: float = ARM_ANGLE_DEG,
+    pads: ShoulderPads | None = None,
+    form: bool = False,
+) -> Mannequin:
     """The mannequin of the model's kind for measurements in mm (names of sizes.GIVEN; bust is a must, the others have rules).
 
     Bust, waist, hip, top arm, wrist, thigh and neck base are exact by tape (convex hull of the section, torso without arms), the heights of waist,
-    hip, knee, crotch, nape and the stature too. arm_angle_deg: arms from the vertical, 25 to 60. MannequinError for measurements that are refused.
+    hip, knee, crotch, nape and the stature too. arm_angle_deg: arms from the vertical, 25 to 60. form: a dress form, without head
+    and arms. MannequinError for measurements that are refused.
     """
     sizes = full_sizes(model.kind, given)
     heights = wanted_heights(model.kind, sizes)
-    body, _ = stand(model, model.shape(fit_weights(model, sizes)), sizes)
+    body = standing_body(model, sizes)
     body = stretch_arms(model, pose_arms(model, body, arm_angle_deg), MM_TO_M * sizes["arm_length"])
     body = pose_legs(model, correct_girths(model, body, sizes, heights))
-    check_apart(model, body)
     marks = landmarks(model, body, heights)
+    if pads is not None:
+        body, tip = pad_shoulders(model, body, pads, marks["neck_side_left"])
+        marks |= {"shoulder_point_left": tip, "shoulder_point_right": tip * [-1.0, 1.0, 1.0]}
     vertices, faces = model.whole(body.points)
     left = np.array([PART_NAMES.index(part if part in PART_NAMES else f"{part}_left") for part in model.part_names])[model.face_part]
     right = np.array([PART_NAMES.index(part if part in PART_NAMES else f"{part}_right") for part in model.part_names])[model.face_part]
-    return Mannequin(
+    made = Mannequin(
         name=name,
         vertices=frozen(floats(vertices)),
         faces=frozen(indices(faces)),
@@ -45,5 +63,16 @@ def make_mannequin(model: HumanModel, given: Mapping[str, float], *, name: str, 
         cylinders=cylinders(model, body, heights),
         part_names=PART_NAMES,
         face_part=frozen(indices(np.r_[left, right])),
+        rig=rig_of(model, body, arm_angle_deg),
         estimated=TABLE,
     )
+    _check_reached(made, sizes)
+    check_apart(facings(made), made.vertices, "arm_angle")
+    return dress_form(made) if form else made
+
+
+def _check_reached(made: Mannequin, sizes: Mapping[str, float]) -> None:
+    for girth in (*GIRTHS, "stature"):
+        found = made.measurements_mm[girth]
+        if abs(found - sizes[girth]) > _REACHED_MM:
+            raise MannequinError(f"{sizes[girth]:g} mm cannot be reached with the other measurements: {found:.0f} mm comes out", key=f"measurements.{girth}")

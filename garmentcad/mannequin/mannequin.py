@@ -9,6 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from garmentcad.mannequin.rig import Rig
+
 
 @dataclass(frozen=True)
 class ArrangementCylinder:
@@ -42,4 +44,5 @@ class Mannequin:
     cylinders: dict[str, ArrangementCylinder]
     part_names: tuple[str, ...]
     face_part: np.ndarray  # (F,) int32
+    rig: Rig | None = None  # of bodies that can be posed
     estimated: tuple[str, ...] = ()  # measurements and landmarks that were not found on this body but taken from a table or from proportions

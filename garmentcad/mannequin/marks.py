@@ -71,9 +71,7 @@ def cylinders(model: HumanModel, body: Shape, heights: Mapping[str, float]) -> d
     return found
 
 
-def measurements(
-    model: HumanModel, body: Shape, sizes: Mapping[str, float], heights: dict[str, float], marks: Mapping[str, np.ndarray]
-) -> dict[str, float]:
+def measurements(model: HumanModel, body: Shape, sizes: Mapping[str, float], heights: dict[str, float], marks: Mapping[str, np.ndarray]) -> dict[str, float]:
     """All measurements of a mannequin in mm, taken on the body; those of TABLE are the table's values."""
     points = body.points
 

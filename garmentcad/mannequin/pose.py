@@ -5,17 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from garmentcad.errors import MannequinError
 from garmentcad.mannequin.human import HumanModel, Shape
-from garmentcad.units import M_TO_MM
 
 ARM_ANGLE_DEG = 45.0
 MIN_ARM_ANGLE_DEG, MAX_ARM_ANGLE_DEG = 25.0, 60.0
-APART = 0.008  # m, least distance between parts
-JOINT = 0.060  # m, around armscye and crotch parts may be nearer
-_VERTEX_ROOM = 0.004  # m
 HALF_GAP = 0.006  # m, least distance of a leg to the middle plane, THIGH_JOINT below the crotch and lower
 THIGH_JOINT = 0.055  # m
 _ANKLE_HALF_WIDTH = 0.095  # m, ankle joint to the middle plane, where the thighs leave room
@@ -82,27 +77,6 @@ def pose_legs(model: HumanModel, body: Shape) -> Shape:
     legs = ("knee", "ankle")
     joints = {name: joint - [lean * _lean(crotch - joint[1]), 0, 0] if name in legs else joint for name, joint in joints.items()}
     return Shape(moved, joints)
-
-
-def check_apart(model: HumanModel, body: Shape) -> None:
-    """MannequinError where the arm comes near the trunk or the leg, or the legs near each other, outside the joints; the message names the parts.
-
-    The distance is taken between vertices, with room for the faces between them.
-    """
-    points = body.points
-    arm, trunk, leg = (np.unique(model.part_faces(part)) for part in ("arm", "torso", "leg"))
-    joint = cKDTree(points[np.intersect1d(arm, trunk)])
-    free_arm, free_trunk = (points[rows[joint.query(points[rows])[0] > JOINT]] for rows in (arm, trunk))
-    low = points[leg, 1] < points[model.landmarks["crotch"], 1] - JOINT
-    distances = {
-        "arm and torso": cKDTree(free_trunk).query(free_arm)[0].min() - _VERTEX_ROOM,
-        "arm and leg": cKDTree(points[leg]).query(free_arm)[0].min() - _VERTEX_ROOM,
-        "leg and leg": 2.0 * points[leg[low], 0].min(),
-    }
-    for name, distance in distances.items():
-        if distance < APART:
-            near = max(distance, 0.0) * M_TO_MM
-            raise MannequinError(f"{name} come within {near:.1f} mm of each other; at least {APART * M_TO_MM:g} mm are wanted", key="arm_angle")
 
 
 def _lean(depth: Any) -> Any:

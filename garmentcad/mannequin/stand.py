@@ -8,22 +8,27 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from garmentcad.mannequin.human import HumanModel, Shape
+from garmentcad.mannequin.sizes import base_sizes
 from garmentcad.units import MM_TO_M
 
 _BUST_SHARE = {"woman": 0.40, "man": 0.46}  # bust line above the waist as a share of nape to waist (an estimate)
+_BUST_SAG = {"woman": 0.05, "man": 0.0}  # mm that the bust line sinks for each mm of bust above the base size, as on the data's heavier bodies
+_BUST_TO_ARMPIT = {"woman": 0.107, "man": 0.06}  # least share of nape to waist between them: less would crush the back
 _ARMPIT_ROOM = 8.0  # mm, the tape of the armscye depth lies below the armpit
 
 
 def wanted_heights(kind: str, sizes: Mapping[str, float]) -> dict[str, float]:
     """Heights above the floor in m of the levels that standing fixes, from the floor up."""
     waist, nape = sizes["waist_to_floor"], sizes["waist_to_floor"] + sizes["nape_to_waist"]
+    sag = _BUST_SAG[kind] * max(sizes["bust"] - base_sizes(kind)["bust"], 0.0)
+    bust = waist + _BUST_SHARE[kind] * sizes["nape_to_waist"] - sag
     heights = {
         "knee": waist - sizes["waist_to_knee"],
         "crotch": waist - sizes["body_rise"],
         "hip": waist - sizes["waist_to_hip"],
         "waist": waist,
-        "bust": waist + _BUST_SHARE[kind] * sizes["nape_to_waist"],
-        "armpit": max(nape - sizes["armscye_depth"] + _ARMPIT_ROOM, waist + (_BUST_SHARE[kind] + 0.06) * sizes["nape_to_waist"]),
+        "bust": bust,
+        "armpit": max(nape - sizes["armscye_depth"] + _ARMPIT_ROOM, bust + _BUST_TO_ARMPIT[kind] * sizes["nape_to_waist"]),
         "nape": nape,
         "stature": sizes["stature"],
     }

@@ -109,6 +109,7 @@ class Course:
 
     def _set_phase(self, state: State) -> None:
         dynamics = self.dynamics
+        dynamics.steady = state.phase != "fall"
         dynamics.equalise = self.mode == "drape" and state.phase != "watch"
         dynamics.speed_cap_m_s = SPEED_CAP_M_S if self.mode == "drape" else math.inf
         softness = 1.0

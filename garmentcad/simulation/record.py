@@ -7,37 +7,37 @@ from importlib.metadata import version
 
 import numba
 import numpy as np
-from scipy.spatial import cKDTree
 
 from garmentcad import __version__
-from garmentcad.analysis.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
 from garmentcad.analysis.measures import Measures, measure
-from garmentcad.analysis.penetration import penetration_mm, signed_distances, vertex_normals
-from garmentcad.analysis.pressure import contact_pressure
+from garmentcad.analysis.on_body import on_body
+from garmentcad.analysis.penetration import penetration_mm
 from garmentcad.analysis.run_record import RunRecord, Status
-from garmentcad.analysis.tributary import particle_areas
+from garmentcad.analysis.seam_tension import SeamTension, seam_tension
 from garmentcad.fabric.sheet import is_calibrated
+from garmentcad.forces.assembly import ForceAssembly
+from garmentcad.forces.gravity import ForceGravity
+from garmentcad.forces.internal import internal_forces
+from garmentcad.geometry.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
 from garmentcad.placement.place import place_vertices
 from garmentcad.simulation.run import Outcome
 from garmentcad.solve.rest import patches, residual
 
 LIBRARIES = ("numpy", "scipy", "numba", "trimesh", "shapely")
-# Contact keeps at least this gap to the body; the sheet's half thickness where that is more.
-LEAST_GAP_M = 1e-3
 
 
 def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
     """Judge and measure the final state of a run."""
     job, cloth, state, body = outcome.job, outcome.cloth, outcome.state, outcome.job.mannequin
     finite = bool(np.isfinite(state.positions).all())
-    crossings = touching = depth = None
+    crossings = touching = depth = worn = seams = None
     status: Status = outcome.status  # type: ignore[assignment]
     if finite:
         triangles = cloth.particle_triangles
         crossings = len(crossing_triangle_pairs(state.positions, triangles))
         touching = len(crossing_triangle_pairs_between(state.positions, triangles, body.vertices, body.faces))
-        distance = signed_distances(state.positions, body.vertices, body.faces)
-        depth = penetration_mm(state.positions, triangles, body.vertices, body.faces, distance)
+        worn = on_body(cloth, outcome.materials, body, state.positions, outcome.dynamics.net_forces(state))
+        depth = penetration_mm(state.positions, triangles, body.vertices, body.faces, worn.distance_m)
         if crossings or touching or depth > 0.0:
             status = "intersecting"
     elif status == "converged":
@@ -46,7 +46,7 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
     widest = max(outcome.welding.gap_mm.values(), default=None)
     kinetic, fastest, rms = outcome.dynamics.measures(state)
     left = residual(outcome.dynamics, state, patches(cloth)).rms_g if finite else None
-    energy = outcome.dynamics.forces.energy(state.positions) if finite else {}
+    energy = outcome.dynamics.forces.energy(state.positions, state.friction) if finite else {}
     findings = [f"{name}: {finding}" for name, completed in job.fabrics.items() for finding in completed.findings if finding.severity != "info"]
     made = RunRecord(
         garment=job.pattern.name,
@@ -77,6 +77,7 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
             "bend": _sum(energy, "bend", "twist", "hinge", "span"),
             "gravity": energy.get("gravity"),
             "friction_work": state.work_j["friction"],
+            "internal_friction_work": state.work_j["internal_friction"],
             "damping_work": None,  # drape mode changes masses and stiffness on the way: its damping is no energy of the cloth
         },
         uncalibrated=not all(is_calibrated(completed.sheet) for completed in job.fabrics.values()),
@@ -88,15 +89,22 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
             key = f"{panel.name}.{edge.name}"  # once, where darts cut it into pieces
             if edge.role is not None and key not in roles.setdefault(edge.role, []):
                 roles[edge.role].append(key)
-    pressure = None
     if finite:
-        # The body is smooth at the scale of its triangles: the normal at the nearest body vertex serves.
-        nearest = cKDTree(body.vertices).query(state.positions)[1]
-        normal = vertex_normals(body.vertices, body.faces)[nearest]
-        gap = max(LEAST_GAP_M, 0.5 * float(outcome.materials.thickness.max()))
-        pressure = contact_pressure(outcome.dynamics.net_forces(state), normal, distance, gap, particle_areas(cloth))
+        seams = _seams(outcome)
     folds = {f"{panel.name}.{fold.name}": fold.points_mm for panel in job.pattern.panels.values() for fold in panel.folds}
-    return made, measure(cloth, state.positions, outcome.materials, body, roles, place_vertices(job.pattern, cloth, body), pressure, folds)
+    return made, measure(cloth, state.positions, outcome.materials, body, roles, place_vertices(job.pattern, cloth, body), worn, seams, folds)
+
+
+def _seams(outcome: Outcome) -> dict[str, SeamTension | None]:
+    """Seam tensions: what each panel's own elements do to its vertices, every vertex where its particle is."""
+    flat = outcome.flat
+    positions = outcome.state.positions[outcome.cloth.vertex_particle]
+    apart = ForceAssembly(internal_forces(flat, outcome.materials, fold_angles=outcome.state.fold_angles), flat.particle_count, [ForceGravity(flat.masses)])
+    forces = np.zeros_like(positions)
+    # Welding leaves the elements and their order as they are, and adds hinges: what holds by internal friction is that of the sewn garment.
+    sliders = {name: outcome.state.friction[name].copy() if slack.size else slack for name, slack in apart.slack().items()}
+    apart.add_up(positions, np.zeros_like(positions), forces, sliders)
+    return seam_tension(flat, positions, forces)
 
 
 def _sum(energy: dict[str, float], *names: str) -> float | None:

@@ -14,17 +14,17 @@ from types import FrameType
 import numpy as np
 from shapely.geometry import Polygon
 
-from garmentcad.analysis.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.lattice import build_cloth
 from garmentcad.cloth.state import State
 from garmentcad.cloth.weld import weld
 from garmentcad.contact.contact import Contact
 from garmentcad.errors import GarmentError, LimitError
-from garmentcad.fabric.material import MaterialTable
+from garmentcad.fabric.material import MaterialTable, softened
 from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
+from garmentcad.geometry.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.pattern import Panel
 from garmentcad.placement.place import place_vertices
@@ -33,7 +33,7 @@ from garmentcad.simulation.course import SOFTNESS, Course, Progress
 from garmentcad.simulation.job import Job
 from garmentcad.simulation.materials import lay_out
 from garmentcad.simulation.pressing import imposed_angles, press, under_iron
-from garmentcad.simulation.refine import refined
+from garmentcad.simulation.refine import refined, refined_sliders
 from garmentcad.simulation.sewing import Welding, close_seams, weld_state
 from garmentcad.simulation.start import refuse_tangled
 from garmentcad.solve.dynamics import DivergedError, Dynamics, IntersectingError
@@ -56,12 +56,13 @@ class Interrupted(GarmentError):
 
 @dataclass
 class Outcome:
-    """A finished run. status: converged, max_time, diverged or intersecting (contact is judged afterwards, too).
+    """A finished run. status: converged, max_time, diverged or intersecting (contact is judged afterwards, too). flat: the cloth before welding.
 
     wall_s: setup, drape; seconds: by kind of work.
     """
 
     job: Job
+    flat: Cloth
     cloth: Cloth
     materials: MaterialTable
     dynamics: Dynamics
@@ -133,7 +134,7 @@ class _Run:
     def drape(self, grids: tuple[float, ...]) -> Outcome:
         """Sew on the first grid, then settle on each; the outcome is that of the last one."""
         level = 0 if self.state is None else int(self.state.run.get("level", 0.0))
-        before: Cloth | None = None
+        before: tuple[Cloth, ForceAssembly] | None = None
         while True:
             flat = build_cloth(self.job.pattern, self._material_of, self.materials, grids[level])
             cloth, particle_map = weld(flat)
@@ -143,12 +144,12 @@ class _Run:
                     return failed
             assert self.state is not None
             if self.state.phase == "press":
-                failed = self._press(cloth)
+                failed = self._press(flat, cloth)
                 if failed is not None:
                     return failed
             dynamics, forces_at = _dynamics(self.job, cloth, self.materials, self.state.fold_angles)
             if before is not None:
-                self.state = _refined_state(before, self.state, cloth, level, self.job.mannequin)
+                self.state = _refined_state(before, self.state, (cloth, dynamics.forces), level, self.job.mannequin)
             if not self.state.contact:
                 dynamics.start(self.state)
             self._begin(dynamics)
@@ -158,11 +159,11 @@ class _Run:
                 status = course.run(self.state, self.keep)
             except (DivergedError, IntersectingError) as error:
                 self.warnings.append(f"on the lattice of {grids[level]:g} mm: {error}")
-                return self._outcome(cloth, dynamics, error.status)
+                return self._outcome(flat, cloth, dynamics, error.status)
             if last:
-                return self._outcome(cloth, dynamics, status)
+                return self._outcome(flat, cloth, dynamics, status)
             self._add_up(dynamics)
-            before, level = cloth, level + 1
+            before, level = (cloth, dynamics.forces), level + 1
 
     def _begin(self, dynamics: Dynamics) -> None:
         self._setup = self._setup or time.perf_counter() - self.began
@@ -184,14 +185,14 @@ class _Run:
             welding = close_seams(dynamics, self.state, self.keep)
         except (DivergedError, IntersectingError) as error:
             self.warnings.append(str(error))
-            return self._outcome(flat, dynamics, error.status)
+            return self._outcome(flat, flat, dynamics, error.status)
         self._add_up(dynamics)
         self.state = weld_state(flat, welded, particle_map, self.state)
         self.state.phase = "press" if flat.fold_names else "fall"
         self.state.run |= {"phase_from_s": self.state.time_s} | welding.as_run()
         return None
 
-    def _press(self, cloth: Cloth) -> Outcome | None:
+    def _press(self, flat: Cloth, cloth: Cloth) -> Outcome | None:
         """Lay the folds and set them; an outcome only where that failed."""
         assert self.state is not None
         iron = under_iron(cloth)
@@ -203,14 +204,14 @@ class _Run:
             press(dynamics, self.state, self.job, self.keep)
         except (DivergedError, IntersectingError) as error:
             self.warnings.append(f"while it was pressed: {error}")
-            return self._outcome(cloth, dynamics, error.status)
+            return self._outcome(flat, cloth, dynamics, error.status)
         self._add_up(dynamics)
         # Contact starts anew: what it remembers belongs to other masses and another stiffness.
         self.state.contact, self.state.phase = {}, "fall"
         self.state.run |= {"phase_from_s": self.state.time_s}
         return None
 
-    def _outcome(self, cloth: Cloth, dynamics: Dynamics, status: str) -> Outcome:
+    def _outcome(self, flat: Cloth, cloth: Cloth, dynamics: Dynamics, status: str) -> Outcome:
         assert self.state is not None
         self._add_up(dynamics)
         welding = Welding.of_run(self.state.run)
@@ -221,11 +222,13 @@ class _Run:
         if factor < 1.0:
             self.warnings.append(f"motion ran away at the time step that the stiffness allows; the run went back and on with {factor:g} of it")
         wall = {"setup": self._setup, "drape": time.perf_counter() - self.began - self._setup}
-        return Outcome(self.job, cloth, self.materials, dynamics, self.state, status, welding, wall, self.seconds, self.warnings)
+        return Outcome(self.job, flat, cloth, self.materials, dynamics, self.state, status, welding, wall, self.seconds, self.warnings)
 
 
-def _refined_state(coarse: Cloth, state: State, fine: Cloth, level: int, mannequin: Mannequin) -> State:
-    """The garment of a coarse lattice on a finer one, in the same motion. RefinementError where that would cross itself or the mannequin."""
+def _refined_state(before: tuple[Cloth, ForceAssembly], state: State, after: tuple[Cloth, ForceAssembly], level: int, mannequin: Mannequin) -> State:
+    """The garment of a coarse lattice on a finer one, in the same motion and under the same internal friction; before, after: cloth and forces.
+    RefinementError where it would cross itself or the mannequin."""
+    coarse, fine = before[0], after[0]
     both = refined(coarse, np.hstack([state.positions, state.velocities]), fine)
     positions, velocities = np.ascontiguousarray(both[:, :3]), np.ascontiguousarray(both[:, 3:])
     crossings = len(crossing_triangle_pairs(positions, fine.particle_triangles))
@@ -233,16 +236,11 @@ def _refined_state(coarse: Cloth, state: State, fine: Cloth, level: int, mannequ
     if crossings:
         raise RefinementError(f"the drape on {1e3 * coarse.spacing:g} mm crosses itself in {crossings} places on {1e3 * fine.spacing:g} mm: draped anew there")
     kept = {key: value for key, value in state.run.items() if key != "step_factor"}
-    return State(
-        positions,
-        velocities,
-        state.time_s,
-        state.step,
-        phase="fall",
-        run=kept | {"level": float(level)},
-        work_j=dict(state.work_j),
-        fold_angles=state.fold_angles,
-    )
+    friction = refined_sliders(*before, state, *after, positions)
+    run = kept | {"level": float(level)}
+    made = State(positions, velocities, state.time_s, state.step, phase="fall", friction=friction, run=run, fold_angles=state.fold_angles)
+    made.work_j = dict(state.work_j)
+    return made
 
 
 def _dynamics(
@@ -252,8 +250,7 @@ def _dynamics(
     weight = [] if dressing else [ForceGravity(cloth.masses)]
 
     def forces_at(softness: float) -> ForceAssembly:
-        softer = materials._replace(tension_force=materials.tension_force / softness, tension_slope=materials.tension_slope / softness)
-        return ForceAssembly(internal_forces(cloth, softer, fold_angles=fold_angles), cloth.particle_count, weight)
+        return ForceAssembly(internal_forces(cloth, softened(materials, softness), fold_angles=fold_angles), cloth.particle_count, weight)
 
     touch = materials
     if dressing:

@@ -85,10 +85,16 @@ def close_seams(dynamics: Dynamics, state: State, look: Callable[[Progress], Non
 
 
 def weld_state(cloth: Cloth, welded: Cloth, particle_map: np.ndarray, state: State) -> State:
-    """State of `welded`: mass-weighted mean positions and velocities of the particles that became one (momentum is kept)."""
+    """State of `welded`: mass-weighted mean positions and velocities of the particles that became one (momentum is kept). Sliders stay with their elements; the
+    hinges that welding made begin unfolded."""
     positions, velocities = np.zeros((welded.particle_count, 3)), np.zeros((welded.particle_count, 3))
     for axis in range(3):
         positions[:, axis] = np.bincount(particle_map, cloth.masses * state.positions[:, axis], welded.particle_count) / welded.masses
         velocities[:, axis] = np.bincount(particle_map, cloth.masses * state.velocities[:, axis], welded.particle_count) / welded.masses
-    kept, done = dict(state.run), dict(state.work_j)
-    return State(positions, velocities, state.time_s, state.step, state.time_step_s, run=kept, work_j=done, fold_angles=state.fold_angles)
+    hinges = np.zeros(len(welded.hinges.factor))
+    old = state.friction.get("hinge", hinges[:0])
+    hinges[: len(old)] = old
+    friction = state.friction | {"hinge": hinges}
+    welded_state = State(positions, velocities, state.time_s, state.step, state.time_step_s, friction=friction, fold_angles=state.fold_angles)
+    welded_state.run, welded_state.work_j = dict(state.run), dict(state.work_j)
+    return welded_state

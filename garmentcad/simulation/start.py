@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from garmentcad.analysis.intersection import crossing_triangle_pairs
 from garmentcad.analysis.penetration import signed_distances
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.errors import TangledError
+from garmentcad.geometry.intersection import crossing_triangle_pairs
 from garmentcad.mannequin.mannequin import Mannequin
 
 # Contact pushes shallow points out gently while the seams close.

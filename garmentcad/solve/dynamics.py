@@ -6,6 +6,7 @@ import math
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from copy import deepcopy
 
 import numpy as np
 
@@ -16,28 +17,28 @@ from garmentcad.constraints.points import ConstraintPoints, no_bonds
 from garmentcad.contact.contact import SURGE, Contact, farthest
 from garmentcad.errors import GarmentError
 from garmentcad.forces.assembly import ForceAssembly
-from garmentcad.forces.internal import law_arguments
-from garmentcad.forces.time_step import SAFETY
-from garmentcad.solve.steps import CUT, DONE, LOOK, MOST_CUTS, RUNAWAY, Controls, mean_square, run_steps
+from garmentcad.forces.internal import BINS, law_arguments
+from garmentcad.forces.time_step import SAFETY, measured_frequency
+from garmentcad.solve.steps import CUT, DONE, LOOK, MOST_CUTS, RUNAWAY, TORN, TORN_LENGTH, Controls, mean_square, run_steps
 from garmentcad.solve.strain_limit import StrainLimit
 
 # Steps between two looks at the stiffness; tangents change slowly at this scale.
 STEPS_PER_ESTIMATE = 96
-# Way, in lattice spacings, that no particle has exceeded since the last look at the stiffness: strains are what they were.
-_STILL = 5e-3
+# Way, in lattice spacings, that no particle has exceeded since the last look at the stiffness: strains are what they were. Where motion is steady, folds roll
+# on with the strains that they had.
+_STILL, _STILL_STEADY = 5e-3, 2e-2
 # No particle of a garment moves faster on purpose; a faster one is a sign of a diverging run.
 RUNAWAY_M_S = 30.0
 
 
 class DivergedError(GarmentError):
-    """A particle became faster than any garment moves, or not a number. The message names its place on the pattern."""
+    """A particle became faster than any garment moves, or not a number, or a link far longer than any fabric lets it. The message names its place."""
 
     status = "diverged"
 
-    def __init__(self, cloth: Cloth, particle: int, speed: float, state: State) -> None:
-        place = _places(cloth, np.array([particle]))
+    def __init__(self, cloth: Cloth, particles: np.ndarray, cause: str, state: State) -> None:
         when = f"{state.time_s:.4f} s (step {state.step}, phase {state.phase}, time step {1e3 * state.time_step_s:.3g} ms)"
-        super().__init__(f"motion ran away: {place} reached {speed:.3g} m/s at {when}; the limit is {RUNAWAY_M_S:g} m/s")
+        super().__init__(f"motion ran away: {_places(cloth, particles)} {cause} at {when}")
 
 
 class IntersectingError(GarmentError):
@@ -63,14 +64,15 @@ class Dynamics:
     forces: those of `internal_forces` and weight. drag: rate c [1/s], one or (P,), relative to air at rest, in proportion to the mass that resists.
     equalise: drape mode; masses of particles whose own stable step is shorter than the median's are raised until it is not (the shape at rest does not depend
     on them). speed_cap_m_s: forces make no particle faster than this. The time step rests on tangents that are a few steps old, and tension stiffens with
-    strain: what a weld or a snap sets free must not run ahead of them. step_factor: multiplies the time step, for a run that diverged at the step that its
-    stiffness allows. softness: by which tension in `forces` is divided, so that a change of it is noticed. fixed: (P,) bool, particles that do not move.
+    strain: what a weld or a snap sets free must not run ahead of them. steady: tangents hardly change, so the time step comes from the highest frequency
+    itself and not from its bound. step_factor: multiplies the time step, for a run that diverged at the step that its stiffness allows. softness: by which
+    tension in `forces` is divided, so that a change of it is noticed. fixed: (P,) bool, particles that do not move.
     """
 
     def __init__(self, cloth: Cloth, forces: ForceAssembly, limit: StrainLimit, contact: Contact, fixed: np.ndarray | None = None) -> None:
         self.cloth, self.forces, self.limit, self.contact = cloth, forces, limit, contact
         self.fixed = np.zeros(cloth.particle_count, dtype=bool) if fixed is None else fixed
-        self.equalise = False
+        self.equalise = self.steady = False
         self.drag: float | np.ndarray = 0.0
         self._drag = np.zeros(cloth.particle_count)
         self.speed_cap_m_s = math.inf
@@ -95,16 +97,17 @@ class Dynamics:
             self.constraint.set_inverse_masses(inverse_masses)
 
     def start(self, state: State) -> None:
-        """Prepare a fresh state: contact allocates and detects."""
+        """Prepare a fresh state: sliders that it does not bring are those of cloth that was never strained; contact allocates and detects."""
+        state.friction = self.forces.slack() | state.friction
         self.contact.start(state)
         self.estimate_time_step(state)
 
     def estimate_time_step(self, state: State) -> None:
         """Largest stable step for the tangents, and in drape mode the masses for the median particle's step; where nothing has moved, those of before."""
-        key = np.array([self.equalise, self.step_factor, self.softness], dtype=np.float64)
+        key = np.array([self.equalise, self.steady, self.step_factor, self.softness], dtype=np.float64)
         home = state.contact.get("stiff_home")
         known = home is not None and np.array_equal(key, state.contact["stiff_key"])
-        if home is None or not known or farthest(state.positions, home) > _STILL * self.cloth.spacing:
+        if home is None or not known or farthest(state.positions, home) > (_STILL_STEADY if self.steady else _STILL) * self.cloth.spacing:
             home = state.positions.copy()
             state.contact |= {"stiff_home": home, "stiff_key": key}
         elif home is self._estimated_at:
@@ -112,10 +115,10 @@ class Dynamics:
         began = time.perf_counter()
         self._estimated_at = home
         self.forces.stiffness(home, self._stiffness)
-        self._choose_step(state, self.equalise)
+        self._choose_step(state, self.equalise, self.steady)
         self.seconds["stiffness"] += time.perf_counter() - began
 
-    def _choose_step(self, state: State, equalise: bool) -> None:
+    def _choose_step(self, state: State, equalise: bool, steady: bool) -> None:
         free = ~self.fixed
         own = np.full(len(self._stiffness), np.inf)
         moving = free & (self._stiffness > 0.0)
@@ -129,7 +132,14 @@ class Dynamics:
         else:
             wanted = smallest
             self.set_inverse_masses(self.true_inverse_masses)
-        before, state.time_step_s = state.time_step_s, self.step_factor * wanted
+        if steady:
+            frequency = measured_frequency(self.forces, state.contact["stiff_home"], self.inverse_masses)
+            wanted = max(wanted, 2.0 * SAFETY / frequency) if frequency > 0.0 else wanted
+        self._set_step(state, self.step_factor * wanted, self.inverse_masses)
+
+    def _set_step(self, state: State, time_step_s: float, inverse_masses: np.ndarray) -> None:
+        self.set_inverse_masses(inverse_masses)
+        before, state.time_step_s = state.time_step_s, time_step_s
         if before > 0.0 and "pair_impulse" in state.contact:
             # What is remembered is a force: the next step starts from its impulse.
             state.contact["pair_impulse"] *= state.time_step_s / before
@@ -138,11 +148,12 @@ class Dynamics:
     def true_masses(self, state: State) -> Iterator[None]:
         """For as long as this lasts: true masses, and the time step that they allow."""
         self.estimate_time_step(state)
-        self._choose_step(state, False)
+        own = state.time_step_s, self.inverse_masses
+        self._choose_step(state, False, False)
         try:
             yield
         finally:
-            self._choose_step(state, self.equalise)
+            self._set_step(state, *own)
 
     def advance(self, state: State, steps: int) -> None:
         """Many steps. DivergedError where motion runs away, IntersectingError where contact cannot part what it holds."""
@@ -166,7 +177,8 @@ class Dynamics:
         contact, count, dt = self.contact, self.cloth.particle_count, state.time_step_s
         self._drag[:] = self.drag
         controls = Controls(dt, self._drag, self.speed_cap_m_s, RUNAWAY_M_S, SURGE)
-        laws, sums = law_arguments(self.forces.forces), self.forces.sums(self._masses)
+        lost = np.zeros(BINS)
+        laws, sums = law_arguments(self.forces.forces, state.friction, lost), self.forces.sums(self._masses)
         bonds = no_bonds() if self.constraint is None else self.constraint.bonds(state.constraint_speeds)
         contact.load(state)
         motion = (contact.positions, contact.velocities, contact.inverse_masses)
@@ -181,12 +193,17 @@ class Dynamics:
             state.step += done
             state.time_s += (done - (1.0 - self._clock[5])) * dt
             state.work_j["friction"] += float(self._clock[1])
+            state.work_j["internal_friction"] -= float(lost.sum())
+            lost[:] = 0.0
             self.mean_square_speed = max(self.mean_square_speed, float(self._clock[2]))
             left -= done
             t1 = time.perf_counter()
             self.seconds["steps"] += t1 - t0
             if code == RUNAWAY:
                 self._check(state)
+            if code == TORN:
+                ends = self.cloth.links.ends[int(self._clock[4])]
+                raise DivergedError(self.cloth, ends, f"came apart: a link is over {TORN_LENGTH:g} times as long as its strain limit allows", state)
             resumed = code == LOOK
             if code == LOOK:
                 contact.detect(state, contact.fastest(state) * dt)
@@ -209,12 +226,12 @@ class Dynamics:
         squares = np.nan_to_num((state.velocities**2).sum(axis=1), nan=np.inf)
         worst = int(np.argmax(squares))
         if not squares[worst] < RUNAWAY_M_S**2:
-            raise DivergedError(self.cloth, worst, float(np.sqrt(squares[worst])), state)
+            raise DivergedError(self.cloth, np.array([worst]), f"reached {math.sqrt(squares[worst]):.3g} m/s, the limit is {RUNAWAY_M_S:g} m/s,", state)
 
     def net_forces(self, state: State) -> np.ndarray:
         """Forces of the laws and weight (P,3), N, at zero velocity; contact and constraints left out."""
         total = np.zeros_like(state.velocities)
-        self.forces.add_up(state.positions, np.zeros_like(state.velocities), total)
+        self.forces.add_up(state.positions, np.zeros_like(state.velocities), total, deepcopy(state.friction))
         return total
 
     def measures(self, state: State) -> tuple[float, float, float]:

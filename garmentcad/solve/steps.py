@@ -21,7 +21,9 @@ from garmentcad.contact.pairs import fastest_of
 from garmentcad.forces.internal import write_internal
 from garmentcad.solve.strain_limit import least_headroom, pull_back
 
-DONE, LOOK, RUNAWAY, CUT = 0, 1, 2, 3  # why a call ended: all steps done; contact must look for candidates; too fast; a step was cut
+# Why a call ended: all steps done; contact must look for candidates; a particle is too fast; a step was cut; a link is far beyond its limit.
+DONE, LOOK, RUNAWAY, CUT, TORN = 0, 1, 2, 3, 4
+TORN_LENGTH = 2.0  # times the longest that a link may be: no force of a garment does that, only a diverging run
 MOST_CUTS = 20
 
 
@@ -96,7 +98,7 @@ def run_steps(order, controls, laws, sums, bonds, limit, contact, clock):  # typ
 
     bonds: constraint rows with their demanded speeds (see constraints/points.py); contact: arguments of the response, motion of all nodes, home and cover of
     the candidates, leg of the body and seconds since its beginning. clock (6,): out: steps done, friction work J, largest mean square speed, links left too
-    long, pair that cut the last step (-1: only speeds that the response raised), safe part of it.
+    long, pair that cut the last step (-1: only speeds that the response raised) or link that is too long, safe part of the step.
 
     Returns why it ended.
     """
@@ -124,7 +126,10 @@ def run_steps(order, controls, laws, sums, bonds, limit, contact, clock):  # typ
                 fastest = fastest_of(velocities)
             if len(limit.longest) > 0 and headroom < 2.0 * fastest * dt:
                 # No link gains more than twice the way of the fastest particle; until that reaches the headroom none can be too long.
-                headroom = least_headroom(positions, limit)
+                headroom, nearest = least_headroom(positions, limit)
+                if -headroom > (TORN_LENGTH - 1.0) * limit.longest[nearest]:
+                    clock[4] = nearest
+                    return TORN
                 if headroom < 2.0 * fastest * dt:
                     clock[3] = pull_back(positions, limit, inverse_masses, dt, velocities)
                     fastest = fastest_of(velocities)

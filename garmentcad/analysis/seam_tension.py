@@ -1,0 +1,86 @@
+"""Tension across seams: how strongly each panel pulls on the threads that join it to the other.
+
+Take the sewn garment apart in thought, every panel in its draped shape. On each vertex of a sewn edge the elements of its own panel then leave a force f that
+the seam holds: at rest f_a + f_b = 0 but for what touches the sewn particle and the stiffness of the seam itself. So the seam carries
+
+    F = (f_a - f_b) / 2
+
+at each stitch, divided by the rest length that the stitch stands for (the mean of both sides). Its part across the seam, positive where it pulls the panels
+apart, is the tension; its part along the seam is the shear that makes a seam slip or pucker.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from garmentcad.cloth.cloth import Cloth
+from garmentcad.units import MM_TO_M
+
+_LONGEST_STEP = 1.01  # of the lattice spacing: neighbours on an outline lie no farther apart
+
+
+@dataclass(frozen=True)
+class SeamTension:
+    """Of one seam: length_mm on the pattern, N/m across it (mean over its length and the largest stitch), and N/m along it (mean of the amounts)."""
+
+    length_mm: float
+    mean_n_m: float
+    max_n_m: float
+    along_n_m: float
+
+
+def seam_tension(flat: Cloth, positions: np.ndarray, forces: np.ndarray) -> dict[str, SeamTension | None]:
+    """Tension of every seam by name; None for a seam that has no stitch of its own.
+
+    flat: the cloth before welding, whose particles are its vertices; positions (V,3) m, forces (V,3) N: where each vertex lies in the garment and the internal
+    forces of its own panel and its weight. Stitches that share a vertex are left out, as where seams meet: its force belongs to all of them.
+    """
+    inward = _inward(flat, positions)
+    shared = np.bincount(flat.stitches.ravel(), minlength=len(positions)) > 1
+    found: dict[str, SeamTension | None] = {}
+    for number, name in enumerate(flat.seam_names):
+        a, b = flat.stitches[flat.stitch_seam == number].T
+        length, way = _lengths_and_ways(flat, a, b, 0.5 * (positions[a] + positions[b]))
+        counted = ~(shared[a] | shared[b]) & (length > 0.0)
+        if not counted.any():
+            found[name] = None
+            continue
+        pull = 0.5 * (forces[a] - forces[b])
+        along = (pull * way).sum(axis=1)
+        across = pull - along[:, None] * way
+        opening = np.where((across * (inward[a] - inward[b])).sum(axis=1) < 0.0, -1.0, 1.0) * np.linalg.norm(across, axis=1)
+        total = float(length[counted].sum())
+        found[name] = SeamTension(
+            total / MM_TO_M,
+            float(opening[counted].sum()) / total,
+            float((opening[counted] / length[counted]).max()),
+            float(np.abs(along[counted]).sum()) / total,
+        )
+    return found
+
+
+def _inward(flat: Cloth, positions: np.ndarray) -> np.ndarray:
+    """(V,3) from each vertex to the middle of the triangles around it."""
+    middle = np.repeat(positions[flat.triangles].mean(axis=1), 3, axis=0)
+    corners = flat.triangles.ravel()
+    count = np.bincount(corners, minlength=len(positions)).clip(1)
+    sums = np.column_stack([np.bincount(corners, middle[:, axis], len(positions)) for axis in range(3)])
+    return np.asarray(sums / count[:, None] - positions)
+
+
+def _lengths_and_ways(flat: Cloth, a: np.ndarray, b: np.ndarray, middle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Rest length (S,) m that each stitch of a seam stands for, half the way to the stitches before and after it, and its unit direction (S,3) in space."""
+    steps = []
+    for vertices in (a, b):
+        one, other = vertices[:-1], vertices[1:]
+        step = MM_TO_M * np.linalg.norm(flat.vertex_uv_mm[other] - flat.vertex_uv_mm[one], axis=1)
+        # a side that goes on in another panel, or elsewhere on the outline, has no length there
+        joined = (flat.vertex_panel[one] == flat.vertex_panel[other]) & (step < _LONGEST_STEP * flat.spacing)
+        steps.append(np.where(joined, step, 0.0))
+    step = np.where((steps[0] > 0.0) & (steps[1] > 0.0), 0.5 * (steps[0] + steps[1]), np.maximum(*steps))
+    length = 0.5 * (np.append(step, 0.0) + np.append(0.0, step))
+    way = np.gradient(middle, axis=0) if len(a) > 1 else np.zeros((len(a), 3))
+    size = np.linalg.norm(way, axis=1, keepdims=True)
+    return length, np.divide(way, size, out=np.zeros_like(way), where=size > 0.0)

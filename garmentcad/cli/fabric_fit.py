@@ -1,0 +1,51 @@
+"""garmentcad fabric fit: from tester curves, FAST readings or a cantilever length to a sheet with bounds."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from garmentcad.errors import InputError
+
+
+def fit(
+    files: Annotated[list[Path], typer.Argument(help="CSV files of one fabric: tester curves, or FAST readings, lengths and printed values.")],
+    out: Annotated[Path, typer.Option("--out", "-o", help="The sheet to write (.yaml); its name is the fabric's.")],
+    as_json: Annotated[bool, typer.Option("--json", help="One JSON object and nothing else.")] = False,
+) -> None:
+    """Fit a sheet to tests, with the bounds that they leave."""
+    from garmentcad.fabric.fit import fit_sheet
+    from garmentcad.fabric.missing import complete
+    from garmentcad.fabric.quantity import quantity_of
+    from garmentcad.io.fabric_file import write_fabric
+    from garmentcad.io.fit_csv import read_fit_files
+
+    if out.suffix.lower() not in (".yaml", ".yml"):
+        raise InputError(f"cannot write '{out.suffix or out.name}'; .yaml is allowed", file=str(out), key="--out")
+    values, loops, findings = read_fit_files(files)
+    names = ", ".join(path.name for path in files)
+    sheet, fitted = fit_sheet(out.stem, f"fitted to {names} by garmentcad fabric fit", values, loops)
+    completed = complete(sheet) if sheet.W is not None else None
+    write_fabric(out, sheet)
+    noticed = [str(finding) for finding in findings] + [str(finding) for finding in (completed.findings if completed else ())]
+    if completed is None:
+        noticed.append("warning: W: no mass per area came; the sheet needs one before anything can be draped")
+    rows = [{**value._asdict(), "unit": quantity_of(value.key).unit} for value in fitted]
+    if as_json:
+        assumed = sorted(completed.assumed) if completed else []
+        print(json.dumps({"fabric": sheet.name, "sheet": str(out), "fitted": rows, "assumed": assumed, "findings": noticed}))
+        return
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(title=f"{sheet.name}: {out}", title_justify="left")
+    for column in ("value", "", "bounds", "unit", "how"):
+        table.add_column(column, overflow="fold")
+    for value in fitted:
+        table.add_row(value.key, f"{value.value:.4g}", f"{value.low:.4g} to {value.high:.4g}", quantity_of(value.key).unit, value.how)
+    Console().print(table)
+    for line in noticed:
+        print(line)

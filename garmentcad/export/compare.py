@@ -1,0 +1,152 @@
+"""Two result folders side by side: table, file and picture of what differs."""
+
+from __future__ import annotations
+
+import importlib
+import io
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.table import Table
+
+from garmentcad.analysis.comparison import ShapeDifference, Surface, shape_difference
+from garmentcad.analysis.figures import Figure, figures
+from garmentcad.errors import InputError
+from garmentcad.export import legend
+from garmentcad.export.camera import frame
+from garmentcad.export.color_map import MAPS, TOP_PERCENTILE, painted, round_up
+from garmentcad.export.fit import csv_text, plain_table, shown
+from garmentcad.export.obj import read_garment_obj
+from garmentcad.export.picture import COMPRESSION, HEIGHT_PX, draw_picture
+from garmentcad.export.result_folder import Result, read_report, read_result_folder
+from garmentcad.io.atomic import write_atomic
+
+COMPARED = ("garment", "fabric", "mannequin", "grid_mm", "seed", "status", "spec_sha256", "state_sha256")
+FORMATS = (".json", ".csv", ".png")
+
+
+@dataclass(frozen=True)
+class Worn:
+    """What a comparison needs of a result folder; every version of the program writes it alike."""
+
+    report: dict[str, Any]
+    surface: Surface
+
+
+def read_worn(folder: str | Path) -> Worn:
+    """report.json and garment.obj of a result folder. Raises FileError or MeshError naming what is missing or torn."""
+    return Worn(read_report(folder), Surface(*read_garment_obj(Path(folder) / "garment.obj")))
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """unlike: identity that differs, name -> (A, B); rows: every figure that one of both has, name -> (A, B); shape: how far the surfaces lie apart."""
+
+    unlike: dict[str, tuple[Any, Any]]
+    rows: dict[str, tuple[Figure | None, Figure | None]]
+    shape: ShapeDifference
+
+
+def compare(a: Worn, b: Worn) -> Comparison:
+    """Compare two drapes of any garments, fabrics, sizes, lattices or versions."""
+    unlike = {key: (a.report.get(key), b.report.get(key)) for key in COMPARED if a.report.get(key) != b.report.get(key)}
+    versions_a, versions_b = a.report.get("versions", {}), b.report.get("versions", {})
+    unlike |= {
+        name: (versions_a.get(name), versions_b.get(name)) for name in sorted({*versions_a, *versions_b}) if versions_a.get(name) != versions_b.get(name)
+    }
+    of_a, of_b = figures(a.report), figures(b.report)
+    rows = {name: (of_a.get(name), of_b.get(name)) for name in dict.fromkeys((*of_a, *of_b))}
+    return Comparison(unlike, rows, shape_difference(a.surface, b.surface))
+
+
+def difference(pair: tuple[Figure | None, Figure | None]) -> Figure:
+    """B minus A; None where one of them was not measured."""
+    one, other = pair
+    unit = next(figure.unit for figure in pair if figure is not None)
+    if one is None or other is None or one.value is None or other.value is None:
+        return Figure(None, unit)
+    return Figure(other.value - one.value, unit)
+
+
+def comparison_data(found: Comparison) -> dict[str, Any]:
+    """The comparison as plain data."""
+    return {
+        "schema": 1,
+        "unlike": {name: list(pair) for name, pair in found.unlike.items()},
+        "shape_mm": {"rms": found.shape.rms_mm, "max": found.shape.max_mm},
+        "figures": {name: {"a": _value(pair[0]), "b": _value(pair[1]), "difference": difference(pair).value} for name, pair in found.rows.items()},
+    }
+
+
+def comparison_tables(found: Comparison) -> list[Table]:
+    """For the terminal: what the two are, and every figure that one of both has."""
+    identity = plain_table("", "A", "B")
+    for name, pair in found.unlike.items():
+        if not name.endswith("sha256"):
+            identity.add_row(name, *("–" if value is None else str(value) for value in pair))
+    table = plain_table("quantity", "A", "B", "B - A")
+    table.add_column("unit")
+    for name, values in found.rows.items():
+        if any(_value(figure) is not None for figure in values):
+            apart = difference(values)
+            table.add_row(name, shown(values[0]), shown(values[1]), shown(apart), apart.unit)
+    for name, distance in (("surfaces apart, RMS", found.shape.rms_mm), ("surfaces apart, at most", found.shape.max_mm)):
+        table.add_row(name, "", "", f"{distance:.1f}", "mm")
+    return [part for part in (identity, table) if part.row_count]
+
+
+def write_comparison(path: Path, folders: tuple[Path, Path], found: Comparison, view: str, map_name: str) -> Path:
+    """Write a comparison as .json, .csv (quantity, a, b, difference, unit) or .png (see `draw_comparison`; both folders must be of this version, then)."""
+    if path.suffix not in FORMATS:
+        raise InputError(f"cannot write '{path.suffix or path.name}'; allowed are {', '.join(FORMATS)}", file=str(path), key="--out")
+    if path.suffix == ".png":
+        buffer = io.BytesIO()
+        a, b = (read_result_folder(folder) for folder in folders)
+        draw_comparison(a, b, found, view, map_name).save(buffer, format="PNG", compress_level=COMPRESSION)
+        return write_atomic(path, buffer.getvalue())
+    if path.suffix == ".json":
+        return write_atomic(path, json.dumps(comparison_data(found), indent=2, ensure_ascii=False, allow_nan=False) + "\n")
+    rows = []
+    for name, pair in found.rows.items():
+        apart = difference(pair)
+        rows.append((name, *("" if value is None else f"{value:.9g}" for value in (_value(pair[0]), _value(pair[1]), apart.value)), apart.unit))
+    return write_atomic(path, csv_text(("quantity", "a", "b", "difference", "unit"), rows))
+
+
+def draw_comparison(a: Result, b: Result, found: Comparison, view: str = "front", map_name: str = "none", height_px: int = HEIGHT_PX) -> Any:
+    """A PIL image: A and B from one place at one scale, with a map that has one scale for both, then A in the colors of its distance from B."""
+    results = (a, b)
+    maps: list[Any] = [None, None]
+    if map_name != "none":
+        for result in results:
+            if map_name not in result.maps:
+                raise InputError(f"{result.report.get('garment')} has no map '{map_name}'; it has: {', '.join(result.maps) or 'none'}", key="--map")
+        top = max(float(np.percentile(MAPS[map_name].factor * result.maps[map_name], TOP_PERCENTILE)) for result in results)
+        maps = [painted(map_name, result.maps[map_name], round_up(top)) for result in results]
+    room = round(legend.WIDTH * height_px)
+    bodies = [result.mannequin.vertices for result in results if result.mannequin is not None]
+    everyone = np.concatenate([result.state.positions for result in results])
+    camera = frame(view, everyone, np.concatenate(bodies) if bodies else None, height_px, room)
+    maps.append(painted("apart", found.shape.apart_mm))
+    tiles = [draw_picture(result.state.positions, result.cloth, result.mannequin, own, camera) for result, own in zip((a, b, a), maps)]
+    for tile, letter, result in zip(tiles, ("A", "B"), results):
+        _write_title(tile, f"{letter}  {result.report.get('garment')} · {result.report.get('fabric')} · {result.report.get('mannequin')}")
+    _write_title(tiles[2], f"A: distance from B, RMS {found.shape.rms_mm:.1f} mm, at most {found.shape.max_mm:.1f} mm")
+    picture = importlib.import_module("PIL.Image").new("RGB", (sum(tile.width for tile in tiles), height_px))
+    for k, tile in enumerate(tiles):
+        picture.paste(tile, (sum(before.width for before in tiles[:k]), 0))
+    return picture
+
+
+def _write_title(tile: Any, text: str) -> None:
+    from PIL import ImageDraw, ImageFont
+
+    unit = tile.height / 64
+    ImageDraw.Draw(tile).text((1.6 * unit, 1.2 * unit), text, fill=legend.INK, font=ImageFont.load_default(1.4 * unit))
+
+
+def _value(figure: Figure | None) -> float | None:
+    return None if figure is None else figure.value

@@ -1,0 +1,140 @@
+"""FAST readings and cantilever lengths to KES values, with the bounds that the readings leave.
+
+    extensions E5, E20, E100 [%] at 5, 20, 100 gf/cm    points on F = Fm (exp(x e/em) - 1)/(exp(x) - 1), Fm = 100 gf/cm -> EMT, LT
+    bias extension EB5 [%] at 5 gf/cm                   G = F/(4 e) = 122.6/EB5 N/m (stiff yarns: the off-axis modulus at 45 degrees is 4G)
+    bending length C [mm], overhang [mm] at 41.5 deg    B = W g (L/2.0004)^3, L = 2 C: the exact elastica (`cantilever`)
+
+Fm stays at 100 gf/cm, the largest load of FAST-3: the sheet says so, and nothing is extrapolated to the 500 gf/cm of the KES tester.
+What these tests cannot tell, because none of them unloads: RT, 2HG, 2HG5, 2HB. Friction also carries a part of the weight in the cantilever, so that B is
+rather too high. Sources: De Boos and Tester 1994, SiroFAST (the tests and G); readings are to 0.1 %, 0.5 mm.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from garmentcad.errors import FabricError
+from garmentcad.fabric.cantilever import bending_from_overhang
+from garmentcad.fabric.fitted import FittedValue
+from garmentcad.fabric.law_tension import linearity, solve_exponent, strain_at_force
+from garmentcad.fabric.quantity import BENDING_WAYS, WAYS, Quantity, quantity_of
+from garmentcad.units import GF_CM2_CM_TO_N_M, GF_CM_DEG_TO_N_M_RAD, GF_CM_TO_N_M, GRAVITY_M_S2, MG_CM2_TO_KG_M2, MM_TO_M
+
+FAST_QUANTITIES: dict[str, Quantity] = {
+    q.name: q
+    for q in (
+        Quantity("E5", "%", "extension at 5 gf/cm", (0.0, 50.0), (0.0, 5.0), WAYS),
+        Quantity("E20", "%", "extension at 20 gf/cm", (0.0, 80.0), (0.1, 10.0), WAYS),
+        Quantity("E100", "%", "extension at 100 gf/cm", (0.2, 150.0), (0.5, 20.0), WAYS),
+        Quantity("EB5", "%", "bias extension at 5 gf/cm", (0.2, 80.0), (1.0, 15.0)),
+        Quantity("C", "mm", "bending length, half the overhang at 41.5 degrees", (3.0, 100.0), (8.0, 40.0), BENDING_WAYS),
+        Quantity("overhang", "mm", "overhang at 41.5 degrees", (6.0, 200.0), (16.0, 80.0), BENDING_WAYS),
+    )
+}
+
+LOADS_GF_CM = {"E5": 5.0, "E20": 20.0, "E100": 100.0}
+FORCE_GF_CM = 100.0  # Fm of a sheet from FAST
+EXTENSION_READING = 0.05  # +- %
+LENGTH_READING = 0.5  # +- mm of the overhang
+WEIGHT_READING = 0.01  # +- share of W
+
+
+class _Curve(NamedTuple):
+    em: float
+    exponent: float
+    miss: float  # largest distance to a reading, %
+
+
+def fit_fast(values: Mapping[str, float]) -> list[FittedValue]:
+    """KES values from FAST readings by key (`E5.warp`, `EB5`, `C.weft`) and W [mg/cm2]; keys of the sheet itself are left alone.
+
+    FabricError for readings that no cloth can have, and for a length without W.
+    """
+    for key, number in values.items():
+        quantity = FAST_QUANTITIES.get(key.partition(".")[0])
+        if quantity and not quantity.possible[0] <= number <= quantity.possible[1]:
+            low, high = quantity.possible
+            raise FabricError(f"{number:g} {quantity.unit} is impossible for {quantity.meaning}; {low:g} to {high:g} is allowed", key=key)
+    fitted = []
+    for way in WAYS:
+        fitted += _tension({name: values[f"{name}.{way}"] for name in LOADS_GF_CM if f"{name}.{way}" in values}, way)
+    if fitted:
+        fitted.append(FittedValue("Fm", FORCE_GF_CM, FORCE_GF_CM, FORCE_GF_CM, "the largest load of FAST-3"))
+    if "EB5" in values:
+        fitted.append(_shear(values["EB5"], values))
+    for way in BENDING_WAYS:
+        lengths = {name: values[f"{name}.{way}"] * factor for name, factor in (("C", 2.0), ("overhang", 1.0)) if f"{name}.{way}" in values}
+        if len(lengths) == 2:
+            raise FabricError("both a bending length and an overhang are given; one of them is allowed", key=f"C.{way}")
+        for overhang in lengths.values():
+            fitted.append(_bending(overhang, way, values.get("W")))
+    return fitted
+
+
+def _tension(readings: dict[str, float], way: str) -> list[FittedValue]:
+    """EMT and LT from the extensions of one direction; LT needs two of them at least."""
+    if not readings:
+        return []
+    if "E100" not in readings:
+        raise FabricError("E100 is missing; the other extensions need it, it is the end of the curve", key=f"E100.{way}")
+    strains = list(readings.values())
+    if strains != sorted(set(strains)):
+        raise FabricError(f"{', '.join(f'{name} = {value:g} %' for name, value in readings.items())}: a larger load must stretch more", key=f"E100.{way}")
+    forces = [LOADS_GF_CM[name] for name in readings]
+    if len(readings) == 1:
+        end = strains[0]
+        return [FittedValue(f"EMT.{way}", end, end - EXTENSION_READING, end + EXTENSION_READING, "E100 as read")]
+    best = _fit_curve(forces, strains)
+    spread = max(EXTENSION_READING, best.miss)
+    corners = [_fit_curve(forces, [e + s * spread for e, s in zip(strains, signs)]) for signs in itertools.product((-1.0, 1.0), repeat=len(strains))]
+    how = f"exponential law through {', '.join(readings)}, off by {best.miss:.2f} % at most; readings +-{spread:.2f} %"
+    ends = [curve.em for curve in (best, *corners)]
+    shapes = [linearity(curve.exponent) for curve in (best, *corners)]
+    return [FittedValue(f"EMT.{way}", best.em, min(ends), max(ends), how), FittedValue(f"LT.{way}", shapes[0], min(shapes), max(shapes), how)]
+
+
+def _fit_curve(forces: list[float], strains: list[float]) -> _Curve:
+    """Bounded least squares of em [%] and the exponent; the exponents are those of the linearities that a sheet may have."""
+    lowest, highest = quantity_of("LT").possible
+    bounds = (solve_exponent(highest), solve_exponent(lowest))
+
+    def misses(p: np.ndarray) -> np.ndarray:
+        return np.array([strain_at_force(force, p[0], FORCE_GF_CM, p[1]) - strain for force, strain in zip(forces, strains)])
+
+    end = max(strains[-1], 0.01)
+    found = least_squares(misses, (end, 2.0), bounds=((0.5 * end, bounds[0]), (2.0 * end, bounds[1])), xtol=1e-12, ftol=1e-12, gtol=1e-12)
+    return _Curve(float(found.x[0]), float(found.x[1]), float(np.abs(found.fun).max()))
+
+
+def _shear(bias: float, values: Mapping[str, float]) -> FittedValue:
+    """G from the bias extension. Yarns that stretch take a part of it, 1/E45 = (1/G + 1/E1 + 1/E2)/4, which sets the upper bound where E5 is known."""
+    force = LOADS_GF_CM["E5"] * GF_CM_TO_N_M
+    yarns = [values.get(f"E5.{way}", values.get("E5.mean")) for way in ("warp", "weft")]
+    known = [yarn + EXTENSION_READING for yarn in yarns if yarn is not None]
+    rest = 4.0 * (bias - EXTENSION_READING) - sum(known)
+    if rest <= 0.5 * bias:
+        raise FabricError(f"{bias:g} % is no more than its yarns give (E5 {', '.join(f'{yarn:g}' for yarn in yarns if yarn is not None)} %)", key="EB5")
+
+    def stiffness(stretch_percent: float) -> float:
+        return force / (stretch_percent / 100.0) / GF_CM_DEG_TO_N_M_RAD
+
+    how = "122.6/EB5 N/m, reading +-0.05 %" + ("; the upper bound lets the yarns take their E5" if known else "; yarns taken as stiff")
+    return FittedValue("G.mean", stiffness(4.0 * bias), stiffness(4.0 * (bias + EXTENSION_READING)), stiffness(rest), how)
+
+
+def _bending(overhang_mm: float, way: str, w: float | None) -> FittedValue:
+    """B from the overhang at 41.5 degrees."""
+    if w is None:
+        raise FabricError("W is missing; a length of a cantilever gives B only with the mass per area", key="W")
+
+    def stiffness(length_mm: float, share: float) -> float:
+        return bending_from_overhang(length_mm * MM_TO_M, share * w * MG_CM2_TO_KG_M2 * GRAVITY_M_S2) / GF_CM2_CM_TO_N_M
+
+    low, high = (stiffness(overhang_mm + s * LENGTH_READING, 1.0 + s * WEIGHT_READING) for s in (-1.0, 1.0))
+    how = f"exact elastica, overhang {overhang_mm:g} mm at 41.5 degrees; readings +-0.5 mm, W +-1 %; friction not taken out, so rather too high"
+    return FittedValue(f"B.{way}", stiffness(overhang_mm, 1.0), low, high, how)

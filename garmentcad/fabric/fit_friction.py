@@ -1,0 +1,114 @@
+"""The shear loop of KES-FB1 and the bending loop of KES-FB2 to stiffness and hysteresis, as the testers read them.
+
+    slope of the way out inside the window           shear 0.5 to 2.5 degrees: G       bending 0.5 to 1.5 /cm: B
+    width of the loop, way out minus way back        at 0.5 and 5 degrees: 2HG, 2HG5   at 1 /cm: 2HB
+
+Both sides of zero count, and their mean is the value; a record of one side only is taken as it is. Where both sides were recorded to about the same extent,
+the middle between the turns is the zero of the angle or curvature. A zero of force or moment that is off changes neither slopes nor widths.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from garmentcad.fabric.fitted import FittedValue
+from garmentcad.fabric.recorded_loop import Leg, RecordedLoop, cut_legs, spread_by_noise, value_near
+
+MIN_IN_WINDOW = 4
+RESOLVED = 1e-3  # share of a value that a record resolves at best
+MOST_OFFSET = 0.1  # of the extent; more is a loop that was meant for one side
+
+
+class Reading(NamedTuple):
+    """Where a test is read. near: half width of the stretch of curve that a width is read on."""
+
+    stiffness: str
+    window: tuple[float, float]
+    widths: dict[str, float]
+    near: float
+    unit: str
+
+
+READINGS = {
+    "shear": Reading("G", (0.5, 2.5), {"2HG": 0.5, "2HG5": 5.0}, 0.25, "degrees"),
+    "bending": Reading("B", (0.5, 1.5), {"2HB": 1.0}, 0.25, "/cm"),
+}
+
+
+class _Side(NamedTuple):
+    """One side of zero, turned so that it leads out to positive x."""
+
+    out: tuple[np.ndarray, np.ndarray]
+    back: tuple[np.ndarray, np.ndarray]
+
+
+def fit_friction(loops: Sequence[RecordedLoop]) -> list[FittedValue]:
+    """Values of shear and bending loops. A width beyond the end of a record is left out. FabricError for what is no loop."""
+    fitted = []
+    for loop in loops:
+        found, spread = _values(loop), spread_by_noise(loop, _values)
+        finer = _values(loop, 0.5)
+        low, high = READINGS[loop.test].window
+        window = f", slope between {low:g} and {high:g} {READINGS[loop.test].unit}"
+        for name, value in found.items():
+            half = spread[name] + 3.0 * abs(value - finer[name]) + RESOLVED * abs(value)  # a kink under the stretch errs in proportion to it
+            how = f"{loop.test} loop of {len(loop.x)} samples" + (window if name == READINGS[loop.test].stiffness else "")
+            fitted.append(FittedValue(f"{name}.{loop.way}", value, max(0.0, value - half), value + half, how))
+    return fitted
+
+
+def _values(loop: RecordedLoop, narrower: float = 1.0) -> dict[str, float]:
+    """Stiffness and widths; `narrower` scales the stretch on which a width is read."""
+    reading = READINGS[loop.test]
+    low, high = reading.window
+    sides = _sides(loop)
+    slopes = []
+    for x, y in (side.out for side in sides):
+        inside = (x >= low) & (x <= high)
+        if inside.sum() < MIN_IN_WINDOW:
+            raise loop.refuse(f"{inside.sum()} samples between {low:g} and {high:g} {reading.unit}, at least {MIN_IN_WINDOW} are wanted")
+        slopes.append(np.polynomial.polynomial.polyfit(x[inside], y[inside], 1)[1])
+    stiffness = float(np.mean(slopes))
+    if stiffness <= 0.0:
+        raise loop.refuse("the curve falls where it should rise")
+    values = {reading.stiffness: stiffness}
+    for name, at in reading.widths.items():
+        reached = [side for side in sides if min(side.out[0].max(), side.back[0].max()) >= at]
+        if reached:
+            near = reading.near * narrower
+            width = float(np.mean([value_near(*side.out, at, near) - value_near(*side.back, at, near) for side in reached]))
+            if width < -0.05 * stiffness * at:
+                raise loop.refuse(f"at {at:g} {reading.unit} the way back lies {-width:.3g} above the way out")
+            values[name] = max(0.0, width)
+    return values
+
+
+def _sides(loop: RecordedLoop) -> list[_Side]:
+    """The sides of zero that have a way out and a way back, each the first of its kind in the record."""
+    reading, legs = READINGS[loop.test], cut_legs(loop)
+    ends = float(loop.x.max()), float(loop.x.min())
+    middle = 0.5 * sum(ends)
+    zero = middle if abs(middle) <= MOST_OFFSET * (ends[0] - ends[1]) / 2.0 else 0.0
+    sides = []
+    for sign in (1.0, -1.0):
+        out = _first(legs, sign, sign, zero, reading.window[1])
+        back = _first(legs, sign, -sign, zero, reading.window[1])
+        if out is not None and back is not None:
+            sides.append(_Side(out, back))
+    if not sides:
+        raise loop.refuse(f"no side of zero has a way out and a way back beyond {reading.window[1]:g} {reading.unit}")
+    return sides
+
+
+def _first(legs: list[Leg], sign: float, direction: float, zero: float, least: float) -> tuple[np.ndarray, np.ndarray] | None:
+    """The part of the first leg in this direction on this side of zero that goes past `least` and covers half of the way to the furthest point there."""
+    furthest = max(float((sign * (leg.x - zero)).max()) for leg in legs)
+    for leg in legs:
+        x = sign * (leg.x - zero)
+        here = x >= 0.0
+        if leg.direction == direction and furthest > least and here.any() and np.ptp(x[here]) >= 0.5 * furthest:
+            return x[here], sign * leg.y[here]
+    return None

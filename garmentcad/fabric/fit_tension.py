@@ -1,0 +1,86 @@
+"""The tension loop of KES-FB1 to LT, WT, RT, EMT: the definitions of the tester, on the record.
+
+    EMT = strain at Fm      WT = area under the way out      LT = WT/(Fm EMT/2)      RT = area under the way back/WT
+
+The first sample is the zero of strain; the force there (a parabola through the first tenth of the way out) is the zero of force; a parabola through
+the last tenth gives force and slope at the end.
+Fm is 50, 100 or 500 gf/cm where the record ends within 3 % of it, else what the record says; a loop that ends a little off is brought to Fm along its tangent.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from garmentcad.errors import FabricError
+from garmentcad.fabric.fitted import FittedValue
+from garmentcad.fabric.recorded_loop import RecordedLoop, cut_legs, spread_by_noise
+
+NOMINAL_GF_CM = (50.0, 100.0, 500.0)
+NEAR = 0.03  # share of Fm within which a record counts as one to the nominal force
+START = 0.1  # shares of the way out on which the zero of force and the end are read, by parabolas
+END = 0.1
+LEAST = 5  # samples of such a parabola
+MOST_OFFSET = 0.1  # share of Fm
+RESOLVED = 1e-3  # share of a value that a record resolves at best
+STEPS = 25.0  # of the trapezoid rule on a steep exponential: share of an area times the square of the number of samples
+
+
+def fit_tension(loops: Sequence[RecordedLoop]) -> list[FittedValue]:
+    """Values of the tension loops of one fabric. FabricError for what is no loop, and for loops that end at different forces."""
+    if not loops:
+        return []
+    tops = [_end(loop)["top"] for loop in loops]
+    if max(tops) - min(tops) > NEAR * max(tops):
+        raise FabricError(f"the loops end at {', '.join(f'{top:.4g}' for top in tops)} gf/cm; Fm belongs to the whole sheet, within 3 %", key="Fm")
+    mean = float(np.mean(tops))
+    force = next((nominal for nominal in NOMINAL_GF_CM if abs(mean - nominal) <= NEAR * nominal), mean)
+    fitted = [FittedValue("Fm", force, min(force, *tops), max(force, *tops), "where the tension loops end")]
+    for loop in loops:
+
+        def values(record: RecordedLoop) -> dict[str, float]:
+            return _values(record, force)
+
+        found, spread = values(loop), spread_by_noise(loop, values)
+        for name, value in found.items():
+            half = spread[name] + (RESOLVED + STEPS / len(loop.x) ** 2) * abs(value)
+            fitted.append(FittedValue(f"{name}.{loop.way}", value, value - half, value + half, f"tension loop of {len(loop.x)} samples"))
+    return fitted
+
+
+def _end(loop: RecordedLoop) -> dict[str, float]:
+    """Zero of strain and force, force and slope at the end of the way out."""
+    out = cut_legs(loop)[0]
+    if out.direction < 0.0:
+        raise loop.refuse("the strain falls first")
+    start, top = out.x[0], out.x.max()
+    first = out.x <= start + START * (top - start)
+    if first.sum() < LEAST:
+        first = np.arange(len(out.x)) < LEAST
+    zero = float(np.polynomial.polynomial.polyfit(out.x[first] - start, out.y[first], 2)[0])
+    last = out.x >= top - END * (top - start)
+    if last.sum() < LEAST:
+        last = np.arange(len(out.x)) >= len(out.x) - LEAST
+    force, slope, _ = np.polynomial.polynomial.polyfit(out.x[last] - top, out.y[last], 2)
+    if force <= zero or slope <= 0.0:
+        raise loop.refuse("the force does not grow with the strain")
+    if abs(zero) > MOST_OFFSET * (force - zero):
+        raise loop.refuse(f"the record begins at {zero:.3g} gf/cm, more than a tenth of its end")
+    return {"start": float(start), "zero": zero, "top": float(force - zero), "slope": float(slope), "strain": float(top - start)}
+
+
+def _values(loop: RecordedLoop, force: float) -> dict[str, float]:
+    out, back = cut_legs(loop)[:2]
+    end = _end(loop)
+    taken = float(np.trapezoid(out.y - end["zero"], out.x))
+    given = -float(np.trapezoid(back.y - end["zero"], back.x))
+    rest = back.y[-4:].mean() - end["zero"]
+    if rest > MOST_OFFSET * end["top"]:
+        raise loop.refuse(f"the way back ends at {rest:.4g} gf/cm, above a tenth of {end['top']:.4g}")
+    if not 0.0 < given <= 1.02 * taken:
+        raise loop.refuse(f"the way back gives {given / 100.0:.4g} of the {taken / 100.0:.4g} gf.cm/cm2 that the way out took")
+    more = (force - end["top"]) / end["slope"]
+    emt = end["strain"] + more
+    wt = (taken + more * 0.5 * (force + end["top"])) / 100.0
+    return {"LT": wt / (force * emt / 200.0), "WT": wt, "RT": 100.0 * given / taken, "EMT": emt}

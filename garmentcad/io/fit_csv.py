@@ -1,0 +1,49 @@
+"""The files that `fabric fit` takes: tester curves, or a table of FAST readings, lengths and printed values. The header tells which."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from garmentcad.errors import FabricError, FileError
+from garmentcad.fabric.finding import Finding
+from garmentcad.fabric.recorded_loop import RecordedLoop
+from garmentcad.io.csv_table import read_table
+from garmentcad.io.kes_csv import fabric_values, known_labels
+from garmentcad.io.kes_header import FIT_QUANTITIES
+from garmentcad.io.loop_csv import loop_labels, recorded_loops
+
+MAX_BYTES = 20_000_000
+MAX_ROWS = 200_000
+WANTED = "`strain warp [%];force warp [gf/cm]` (curves) or `property;unit;warp;weft` (values)"
+
+
+class FitInput(NamedTuple):
+    """Values by key (KES and FAST), loops, and what was not understood."""
+
+    values: dict[str, float]
+    loops: list[RecordedLoop]
+    findings: list[Finding]
+
+
+def read_fit_files(paths: Sequence[str | Path]) -> FitInput:
+    """All that the files hold of one fabric. FileError or FabricError for what is no such file, several fabrics, or a value in two of them."""
+    values: dict[str, float] = {}
+    loops: list[RecordedLoop] = []
+    findings: list[Finding] = []
+    for path in paths:
+        file = str(path)
+        table = read_table(path, lambda cells: max(loop_labels(cells), known_labels(cells, FIT_QUANTITIES)), WANTED, MAX_ROWS, MAX_BYTES)
+        if loop_labels(table.header[1]):
+            loops += recorded_loops(table, file)
+        else:
+            fabrics = fabric_values(table, file, FIT_QUANTITIES)
+            if len(fabrics) > 1:
+                raise FileError(f"{len(fabrics)} fabrics came; a file of one fabric is wanted", file=file)
+            for key, number in fabrics[0].values.items():
+                if key in values:
+                    raise FabricError(f"{key} stands in an earlier file too; once is allowed", file=file, key=key)
+                values[key] = number
+        findings += table.findings
+    return FitInput(values, loops, findings)

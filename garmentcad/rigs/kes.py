@@ -1,0 +1,56 @@
+"""All virtual Kawabata testers in one place: what they record of a fabric and what they print, by the keys of the sheet."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from garmentcad.fabric.material import MaterialTable, material_row, material_table
+from garmentcad.fabric.sheet import KesSheet
+from garmentcad.rigs.bending import bending_test, printed_bending
+from garmentcad.rigs.loop import Branch
+from garmentcad.rigs.shear import printed_shear, shear_test
+from garmentcad.rigs.specimen import ANGLES
+from garmentcad.rigs.tension import printed_tension, tension_test
+
+
+class Tester(NamedTuple):
+    """A test of one kind on a specimen cut in one way."""
+
+    kind: str  # tension, shear or bending
+    way: str  # warp, weft or bias
+
+    @property
+    def name(self) -> str:
+        return f"{self.kind} {self.way}"
+
+
+class Record(NamedTuple):
+    """branches: what was recorded, in order; printed: what is read from it, by the keys of the sheet."""
+
+    branches: tuple[Branch, ...]
+    printed: dict[str, float]
+
+
+TESTERS = (*(Tester(kind, way) for kind in ("tension", "shear") for way in ("warp", "weft")), *(Tester("bending", way) for way in ANGLES))
+
+
+def run_tester(tester: Tester, sheet: KesSheet, materials: MaterialTable, grid_mm: float, shift: float = 0.0) -> Record:
+    """One test of the fabric in row 0 of `materials`; Fm and the window of G are those of the sheet. shift: of the lattice, in spacings."""
+    angle = ANGLES[tester.way]
+    origin = (shift * grid_mm, shift * grid_mm) if shift else None
+    branches: tuple[Branch, ...]
+    if tester.kind == "tension":
+        branches = tension_test(materials, angle, grid_mm, sheet.number("Fm"), origin)
+        printed = printed_tension(*branches)
+    elif tester.kind == "shear":
+        branches = shear = shear_test(materials, angle, grid_mm, origin)
+        printed = printed_shear(shear, sheet.shear_window_deg)
+    else:
+        branches = bending = bending_test(materials, angle, grid_mm, shift)
+        printed = printed_bending(bending)
+    return Record(branches, {f"{name}.{tester.way}": value for name, value in printed.items()})
+
+
+def sheet_materials(sheet: KesSheet) -> MaterialTable:
+    """The material table of a completed sheet alone; law values where it carries them."""
+    return material_table([material_row(sheet)])

@@ -1,0 +1,100 @@
+"""FAST readings and lengths: curves whose truth is known, the published example of a laboratory, and readings that no cloth can have."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from tester_records import loading
+
+from garmentcad.errors import FabricError
+from garmentcad.fabric.fast import fit_fast
+from garmentcad.fabric.fitted import FittedValue
+
+# A plain weave, 100 % wool, 168 g/m2, FAST report of a student laboratory (bartleby.com and majortests.com, "Fabric Assurance by Simple Testing"): readings,
+# and the B (uN.m), G (N/m) and formabilities F = B (E20 - E5)/14.7 (mm2) that the report prints.
+REPORT = {"W": 16.8, "E5.warp": 0.67, "E20.warp": 1.87, "E100.warp": 4.60, "E5.weft": 0.40, "E20.weft": 1.87, "E100.weft": 5.87, "EB5": 4.7}
+REPORT |= {"C.warp": 15.0, "C.weft": 14.5}
+PRINTED = {"B.warp": 5.56, "B.weft": 5.02, "G.mean": 26.17}
+FORMABILITY = {"warp": 0.45, "weft": 0.50}
+TO_SI = {"B": 98.0665, "G": 0.980665 * 180 / math.pi}
+
+
+def by_key(values: dict[str, float]) -> dict[str, FittedValue]:
+    return {value.key: value for value in fit_fast(values)}
+
+
+def test_published_example() -> None:
+    found = by_key(REPORT)
+    for key, printed in PRINTED.items():
+        assert found[key].value * TO_SI[key[0]] == pytest.approx(printed, rel=5e-3)  # the report takes 123 for 122.6
+    for way, printed in FORMABILITY.items():
+        gain = REPORT[f"E20.{way}"] - REPORT[f"E5.{way}"]
+        assert found[f"B.{way}"].value * TO_SI["B"] * gain / 14.7 == pytest.approx(printed, abs=0.01)
+        assert found[f"EMT.{way}"].low <= REPORT[f"E100.{way}"] <= found[f"EMT.{way}"].high
+        assert 0.6 < found[f"LT.{way}"].value < 0.9
+    assert found["Fm"].value == 100.0
+    assert {key.partition(".")[0] for key in found} == {"EMT", "LT", "Fm", "G", "B"}  # nothing of what a test without a way back cannot tell
+
+
+@pytest.mark.parametrize("lt", [0.35, 0.6, 0.8, 0.98, 1.2])
+@pytest.mark.parametrize("emt", [1.3, 4.6, 12.0])
+def test_readings_of_a_known_curve_give_it_back_within_the_bounds(lt: float, emt: float) -> None:
+    """Extensions read to 0.1 % from the exponential curve, found by bisection on its force."""
+    exact = {
+        name: float(brentq(lambda e, f=force: loading(np.array(e), lt, emt, 100.0) - f, 0.0, 1.01 * emt))
+        for name, force in (("E5", 5), ("E20", 20), ("E100", 100))
+    }
+    found = by_key({f"{name}.warp": round(strain, 1) for name, strain in exact.items()})
+    for key, truth in (("EMT.warp", emt), ("LT.warp", lt)):
+        assert found[key].low - 1e-9 <= truth <= found[key].high + 1e-9, found[key]
+    unrounded = by_key({f"{name}.warp": strain for name, strain in exact.items()})
+    assert unrounded["LT.warp"].value == pytest.approx(lt, abs=1e-4)
+    assert unrounded["LT.warp"].high - unrounded["LT.warp"].low < 0.5 / emt
+
+
+def test_shear_between_stiff_and_stretching_yarns() -> None:
+    """At 45 degrees 1/E = (1/G + 1/E1 + 1/E2)/4 (plate without Poisson effect): the bounds hold the G of a cloth of known stiffnesses."""
+    g, warp, weft = 30.0, 900.0, 500.0  # N/m
+    force = 5 * 0.980665
+    readings = {"EB5": 100 * force * (1 / g + 1 / warp + 1 / weft) / 4, "E5.warp": 100 * force / warp, "E5.weft": 100 * force / weft}
+    value = by_key(readings | {"E100.warp": 20.0, "E100.weft": 30.0})["G.mean"]
+    assert value.value * TO_SI["G"] == pytest.approx(122.6 / readings["EB5"], rel=1e-3)
+    assert value.value * TO_SI["G"] < g < value.high * TO_SI["G"]
+    assert by_key({"EB5": 4.0})["G.mean"].how.endswith("yarns taken as stiff")
+
+
+def test_lengths_by_the_exact_elastica() -> None:
+    """c = (B/(W g))^(1/3) is 17.2 mm for 10 uN.m and 200 g/m2; the strip overhangs 2.0004 c. Peirce's formula, 0.5093 of the overhang, gives 5.75 % more."""
+    c_mm = 1000 * (1e-5 / 1.962) ** (1 / 3)
+    found = by_key({"W": 20.0, "overhang.warp": 2.00035 * c_mm, "C.weft": 1.000175 * c_mm, "C.bias": 15.0})
+    for key in ("B.warp", "B.weft"):
+        assert found[key].value * 98.0665 == pytest.approx(10.0, rel=1e-4)
+        assert found[key].low < found[key].value < found[key].high
+    peirce = 1e6 * 1.962 * (0.50932 * 2.00035e-3 * c_mm) ** 3
+    assert peirce / (found["B.warp"].value * 98.0665) == pytest.approx(1.0575, abs=2e-4)
+    assert found["B.warp"].high * 98.0665 == pytest.approx(10.0 * 1.01 * (1 + 0.5 / (2.00035 * c_mm)) ** 3, rel=1e-3)
+
+
+BAD = [
+    ({"C.warp": 15.0}, "W", "only with the mass per area"),
+    ({"W": 20.0, "C.warp": 15.0, "overhang.warp": 30.0}, "C.warp", "both a bending length and an overhang"),
+    ({"W": 20.0, "C.warp": 1.5}, "C.warp", "impossible for bending length"),
+    ({"E5.warp": 1.0, "E20.warp": 2.0}, "E100.warp", "E100 is missing"),
+    ({"E5.weft": 2.0, "E20.weft": 1.0, "E100.weft": 4.0}, "E100.weft", "a larger load must stretch more"),
+    ({"EB5": 0.5, "E5.warp": 0.8, "E5.weft": 0.9, "E100.warp": 4.0, "E100.weft": 4.0}, "EB5", "no more than its yarns give"),
+    ({"EB5": 0.0}, "EB5", "impossible"),
+]
+
+
+@pytest.mark.parametrize(("values", "key", "words"), BAD)
+def test_readings_of_no_cloth_are_refused(values: dict[str, float], key: str, words: str) -> None:
+    with pytest.raises(FabricError, match=words) as caught:
+        fit_fast(values)
+    assert caught.value.key == key
+
+
+def test_one_extension_gives_its_strain_and_no_linearity() -> None:
+    assert [value.key for value in fit_fast({"E100.mean": 5.0})] == ["EMT.mean", "Fm"]

@@ -1,0 +1,85 @@
+"""Fit files, tables and error bars."""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import io
+import json
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+from test_report import run_record, tube_measures
+from test_result_folder import result
+
+from garmentcad.analysis.body_line import parse_line
+from garmentcad.analysis.figures import Figure, figures
+from garmentcad.analysis.refinement import error_bars
+from garmentcad.errors import InputError
+from garmentcad.export.fit import fit_of, fit_tables, write_fit
+from garmentcad.export.report import build_report
+from garmentcad.export.result_folder import Result
+
+
+def worn(grid_mm: float = 15.0, hem_mm: float = 0.0) -> Result:
+    """The tube of test_result_folder with the report of another one."""
+    report = build_report(dataclasses.replace(run_record(), grid_mm=grid_mm), tube_measures())
+    report["hem_height_mm"] += hem_mm
+    return dataclasses.replace(result(), report=report)
+
+
+def test_every_figure_has_a_unit_of_its_name() -> None:
+    found = figures(worn().report)
+    assert found["ease_mm.hip"].unit == "mm"
+    assert found["seam_tension.side 0.mean_n_m"] == Figure(12.0, "N/m")
+    assert found["seam_tension.side 0.length_mm"] == Figure(600.0, "mm")
+    assert (found["trellis_deg.max"].unit, found["trellis_deg.over_8_percent"].unit) == ("°", "%")
+    assert (found["support_n.normal"].unit, found["contact_area_m2"].unit, found["mass_kg"].unit) == ("N", "m²", "kg")
+    assert found["ease_mm.bust"].value is None
+    assert all(figure.unit for figure in found.values())
+
+
+def test_json_and_csv_hold_the_same(tmp_path: Path) -> None:
+    fit = fit_of(worn(), [parse_line("middle=760")])
+    assert json.loads(write_fit(tmp_path / "fit.json", fit).read_text()) == fit
+    rows = list(csv.DictReader(io.StringIO(write_fit(tmp_path / "fit.csv", fit).read_text())))
+    assert {row["quantity"]: float(row["value"]) for row in rows if row["value"]} == pytest.approx(
+        {name: figure.value for name, figure in figures(fit).items() if figure.value is not None}
+    )
+    loop = fit["lines"]["middle"]["torso"]
+    assert loop["ease_mm"] == pytest.approx(loop["draped_mm"] - loop["body_mm"])
+    assert loop["pattern_mm"] == pytest.approx(400.0)  # two panels of 10 x 20 mm
+    with pytest.raises(InputError, match=r"\.json, \.csv"):
+        write_fit(tmp_path / "fit.txt", fit)
+
+
+def test_error_bar_of_a_figure_that_converges_with_the_spacing() -> None:
+    """q = 5 + 0.3 h: the error at h is 0.3 h, whatever coarser lattice tells it."""
+
+    def at(grid_mm: float) -> dict[str, Figure]:
+        return {"q": Figure(5.0 + 0.3 * grid_mm, "mm"), "none": Figure(None, "mm")}
+
+    for coarser in ([20.0], [14.0], [14.0, 20.0]):
+        assert error_bars(at(10.0), 10.0, [(grid, at(grid)) for grid in coarser]) == {"q": pytest.approx(3.0)}
+    with pytest.raises(InputError, match=r"coarser than the 10 mm"):
+        error_bars(at(10.0), 10.0, [(10.0, at(10.0))])
+
+
+def test_error_bars_in_file_and_table(tmp_path: Path) -> None:
+    fit = fit_of(worn(15.0), [parse_line("middle=760")], [worn(30.0, 8.0)])
+    assert fit["error_bars"]["hem_height_mm"] == pytest.approx(8.0)
+    assert fit["error_bars"]["lines.middle.torso.ease_mm"] == 0.0
+    rows = {row["quantity"]: row for row in csv.DictReader(io.StringIO(write_fit(tmp_path / "fit.csv", fit).read_text()))}
+    assert float(rows["hem_height_mm"]["error"]) == pytest.approx(8.0)
+    console = Console(width=140, record=True, file=io.StringIO())
+    for table in fit_tables(fit):
+        console.print(table)
+    assert "630.0 ± 8" in console.export_text()
+    with pytest.raises(InputError, match=r"fabric differ"):
+        fit_of(worn(15.0), [], [dataclasses.replace(worn(30.0), report=worn(30.0).report | {"fabric": "denim"})])
+
+
+def test_a_swatch_has_no_lines() -> None:
+    with pytest.raises(InputError, match=r"no mannequin"):
+        fit_of(dataclasses.replace(worn(), mannequin=None), [parse_line("middle=760")])

@@ -1,0 +1,106 @@
+"""Shear and bending loops made from known sheets give the sheet back within the stated bounds."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from tester_records import bending_record, shear_record, sweep
+
+from garmentcad.errors import FabricError
+from garmentcad.fabric.fit_friction import fit_friction
+from garmentcad.fabric.fitted import FittedValue
+from garmentcad.fabric.recorded_loop import RecordedLoop, record
+
+SUITING = {"G": 0.58, "2HG": 0.87, "2HG5": 1.45}
+DENIM = {"G": 2.18, "2HG": 5.012, "2HG5": 7.412}
+KNIT = {"G": 0.66, "2HG": 1.9, "2HG5": 2.1}
+CYCLE, FROM_END, ONE_SIDE, TWICE = [0, 8, -8, 0], [-8, 8, -8], [0, 8, 0], [0, 8, -8, 8, -8, 0]
+
+
+def loop(test: str, x: np.ndarray, y: np.ndarray, way: str = "warp") -> RecordedLoop:
+    return record(test, way, x, y, "made up")  # type: ignore[arg-type]
+
+
+def within(fitted: list[FittedValue], truth: dict[str, float], widest: float) -> None:
+    found = {value.key.partition(".")[0]: value for value in fitted}
+    assert set(found) == set(truth)
+    for key, number in truth.items():
+        value = found[key]
+        assert value.low <= number <= value.high, value
+        assert value.low <= value.value <= value.high
+        assert value.high - value.low <= widest * number, value
+
+
+@pytest.mark.parametrize("truth", [SUITING, DENIM, KNIT])
+@pytest.mark.parametrize("turns", [CYCLE, FROM_END, ONE_SIDE, TWICE], ids=str)
+def test_clean_shear_loop(truth: dict[str, float], turns: list[float]) -> None:
+    x = sweep(turns, 801)
+    within(fit_friction([loop("shear", x, shear_record(x, truth["G"], truth["2HG"], truth["2HG5"]))]), truth, 0.05)
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize(("samples", "noise", "widest"), [(240, 0.005, 0.35), (1500, 0.01, 0.35)])
+def test_noise_uneven_samples_and_offsets(seed: int, samples: int, noise: float, widest: float) -> None:
+    """Amplifier zero off by 5 % of the range, angle zero off by 0.3 degrees, steps that differ by four times."""
+    rng = np.random.default_rng(seed)
+    x = sweep(CYCLE, samples, rng)
+    y = shear_record(x, *DENIM.values())
+    record = loop("shear", x + 0.3, y + 0.05 * np.ptp(y) + rng.normal(0.0, noise * np.ptp(y), samples))
+    within(fit_friction([record]), DENIM, widest)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_bending_loop(seed: int) -> None:
+    truth = {"B": 0.118, "2HB": 0.124}
+    rng = np.random.default_rng(seed)
+    x = sweep([0, 2.5, -2.5, 0], 400, rng)
+    y = bending_record(x, *truth.values()) + 0.01 + rng.normal(0.0, 0.002, 400)
+    fitted = fit_friction([loop("bending", x, y, "bias")])
+    within(fitted, truth, 0.2)
+    assert [value.key for value in fitted] == ["B.bias", "2HB.bias"]
+    assert "between 0.5 and 1.5 /cm" in fitted[0].how
+
+
+def test_an_elastic_cloth_has_no_width() -> None:
+    x = sweep(CYCLE, 401)
+    found = {value.key: value for value in fit_friction([loop("shear", x, 0.5 * x)])}
+    assert found["G.warp"].value == pytest.approx(0.5, rel=1e-9)
+    assert max(found["2HG.warp"].value, found["2HG5.warp"].value) < 1e-9
+
+
+def test_a_loop_to_four_degrees_has_no_2hg5() -> None:
+    x = sweep([0, 4, -4, 0], 400)
+    assert [value.key for value in fit_friction([loop("shear", x, shear_record(x, *SUITING.values()))])] == ["G.warp", "2HG.warp"]
+
+
+def test_same_bounds_every_time() -> None:
+    x = sweep(CYCLE, 300)
+    y = shear_record(x, *SUITING.values()) + np.random.default_rng(1).normal(0.0, 0.05, 300)
+    assert fit_friction([loop("shear", x, y)]) == fit_friction([loop("shear", x, y)])
+
+
+def backwards(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    return x[::-1], y[::-1]
+
+
+BAD = [
+    pytest.param(lambda x, y: (x[:100], y[:100]), "never turns back", id="one way"),
+    pytest.param(lambda x, y: (np.sort(x), y[np.argsort(x)]), "never turns back", id="sorted"),
+    pytest.param(lambda x, y: (x[:15], y[:15]), "15 samples; 20", id="short"),
+    pytest.param(lambda x, y: (x, 0.0 * y), "no extent", id="flat"),
+    pytest.param(lambda x, y: (x, y * np.nan), "not finite", id="nan"),
+    pytest.param(backwards, "above the way out", id="backwards in time"),
+    pytest.param(lambda x, y: (x, -y), "falls where it should rise", id="sign"),
+    pytest.param(lambda x, y: (0.2 * x, y), "beyond 2.5 degrees", id="too small"),
+    pytest.param(lambda x, y: (x[::30], y[::30]), "at least 4 are wanted", id="coarse"),
+]
+
+
+@pytest.mark.parametrize(("spoil", "words"), BAD)
+def test_what_is_no_loop_is_refused(spoil: object, words: str) -> None:
+    x = sweep(CYCLE, 640)
+    bad = spoil(x, shear_record(x, *DENIM.values()))  # type: ignore[operator]
+    with pytest.raises(FabricError) as caught:
+        fit_friction([loop("shear", *bad)])
+    assert words in str(caught.value)
+    assert "made up" in str(caught.value)

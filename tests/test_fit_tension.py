@@ -1,0 +1,87 @@
+"""Tension loops made from known sheets give the sheet back within the stated bounds."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from tester_records import sweep, tension_record
+
+from garmentcad.errors import FabricError
+from garmentcad.fabric.fit_tension import fit_tension
+from garmentcad.fabric.fitted import FittedValue
+from garmentcad.fabric.recorded_loop import RecordedLoop, record
+
+CASES = [(0.58, 60.0, 6.0, 500.0), (0.72, 54.1, 5.5, 500.0), (0.45, 35.0, 18.0, 500.0), (1.0, 80.0, 3.0, 500.0), (0.75, 40.0, 33.0, 50.0)]  # LT RT EMT Fm
+
+
+def truth_of(lt: float, rt: float, emt: float, fm: float) -> dict[str, float]:
+    """WT from its definition; RT from the areas of a fine record, for the change of branch belongs to it."""
+    x = sweep([0.0, emt, 0.0], 40_001)
+    y = tension_record(x, lt, rt, emt, fm)
+    back = -np.trapezoid(y[20_000:], x[20_000:]) / np.trapezoid(y[:20_001], x[:20_001])
+    return {"LT": lt, "WT": lt * fm * emt / 200.0, "RT": 100.0 * float(back), "EMT": emt, "Fm": fm}
+
+
+def within(fitted: list[FittedValue], truth: dict[str, float], widest: float) -> None:
+    found = {value.key.partition(".")[0]: value for value in fitted}
+    assert set(found) == set(truth)
+    for key, number in truth.items():
+        value = found[key]
+        assert value.low <= number <= value.high, value
+        assert value.high - value.low <= widest * number, value
+
+
+def loop(x: np.ndarray, y: np.ndarray, way: str = "weft") -> RecordedLoop:
+    return record("tension", way, x, y, "made up")
+
+
+@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("samples", [60, 400])
+def test_clean_loop(case: tuple[float, float, float, float], samples: int) -> None:
+    x = sweep([0.0, case[2], 0.0], samples + 1)
+    within(fit_tension([loop(x, tension_record(x, *case))]), truth_of(*case), 0.05)
+
+
+@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("seed", range(2))
+def test_noise_uneven_samples_and_offsets(case: tuple[float, float, float, float], seed: int) -> None:
+    """Zero of force off by 3 % of Fm, zero of strain by half a percent, noise of 0.5 % of Fm, steps that differ by four times."""
+    rng = np.random.default_rng(seed)
+    x = sweep([0.0, case[2], 0.0], 300, rng)
+    x[np.argmax(x)] = case[2]
+    y = tension_record(x, *case) + 0.03 * case[3] + rng.normal(0.0, 0.005 * case[3], 300)
+    within(fit_tension([loop(x + 0.5, y)]), truth_of(*case), 0.2)
+
+
+def test_a_loop_that_overshoots_is_brought_to_the_nominal_force() -> None:
+    x = sweep([0.0, 6.05, 0.0], 801)
+    fitted = {value.key: value for value in fit_tension([loop(x, tension_record(x, 0.58, 60.0, 6.0, 500.0))])}
+    assert fitted["Fm"].value == 500.0
+    assert fitted["EMT.weft"].value == pytest.approx(6.0, rel=2e-3)
+    assert fitted["LT.weft"].value == pytest.approx(0.58, rel=5e-3)
+
+
+def test_two_loops_share_fm() -> None:
+    x, z = sweep([0.0, 4.0, 0.0], 401), sweep([0.0, 9.0, 0.0], 401)
+    warp = loop(x, tension_record(x, 0.6, 60.0, 4.0, 500.0), "warp")
+    assert sum(value.key == "Fm" for value in fit_tension([warp, loop(z, tension_record(z, 0.7, 60.0, 9.0, 505.0))])) == 1
+    with pytest.raises(FabricError, match="Fm belongs to the whole sheet"):
+        fit_tension([warp, loop(z, tension_record(z, 0.7, 60.0, 9.0, 250.0))])
+
+
+BAD = [
+    pytest.param(lambda x, y: (x[:200], y[:200]), "never turns back", id="loading only"),
+    pytest.param(lambda x, y: (x[:260], y[:260]), "the way back ends at", id="half a way back"),
+    pytest.param(lambda x, y: (x[::-1], y[::-1]), "the way back gives", id="backwards in time"),
+    pytest.param(lambda x, y: (x, y + 200.0), "the record begins at 200", id="preload"),
+    pytest.param(lambda x, y: (x, -y), "does not grow", id="sign"),
+    pytest.param(lambda x, y: (-x, y), "the strain falls first", id="compression"),
+]
+
+
+@pytest.mark.parametrize(("spoil", "words"), BAD)
+def test_what_is_no_loop_is_refused(spoil: object, words: str) -> None:
+    x = sweep([0.0, 6.0, 0.0], 401)
+    with pytest.raises(FabricError) as caught:
+        fit_tension([loop(*spoil(x, tension_record(x, 0.58, 60.0, 6.0, 500.0)))])  # type: ignore[operator]
+    assert words in str(caught.value)
