@@ -111,7 +111,7 @@ def rectangles(columns: int, rows: int, spacing_m: float, panels: int, sewn: boo
             np.zeros(len(strip), dtype=np.int32),
             np.zeros(len(uv), dtype=np.int32),
         ),
-        bends=BendLines(none, none.reshape(0, 2), empty, none.reshape(0, 2), empty, empty, empty, empty, none, none),
+        bends=BendLines(none, none.reshape(0, 2), empty, none.reshape(0, 2), empty, empty, empty, empty, empty, none, none),
         spans=ContourSpans(none.reshape(0, 4), empty.reshape(0, 4), empty, empty, none),
         hinges=SeamHinges(none.reshape(0, 4), empty, empty, empty, empty, none.reshape(0, 2), empty.reshape(0, 2)),
         triangles=frozen(indices(triangles)),

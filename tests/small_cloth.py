@@ -97,7 +97,7 @@ def small_cloth() -> Cloth:
     center_, arm_a, arm_b, weight_a, weight_b, length_a, length_b, width, line_direction = zip(*lines)
     bends = BendLines(
         indices(center_), indices(arm_a), floats(weight_a), indices(arm_b), floats(weight_b),
-        floats(length_a), floats(length_b), floats(width), indices(line_direction), material(len(lines)),
+        floats(length_a), floats(length_b), floats(width), np.ones(len(lines)), indices(line_direction), material(len(lines)),
     )  # fmt: skip
 
     # hinges over the warp links between two rows of cells: wing a on the left, wing b on the right of an edge that runs up

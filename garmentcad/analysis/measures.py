@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from garmentcad.analysis.carried import Carried, carried
 from garmentcad.analysis.ease import Ease, garment_ease
+from garmentcad.analysis.folds import fold_angles_deg
 from garmentcad.analysis.hem import HemHeight, hem_height
 from garmentcad.analysis.hem_shape import HemShape, hem_shape
 from garmentcad.analysis.maps import fabric_maps
@@ -56,6 +57,7 @@ class Measures:
     hem: HemHeight | None
     hem_shape: HemShape | None
     carried: Carried | None
+    fold_deg: dict[str, float | None]
     mass_kg: float
     pressure_kpa: dict[str, float | None]
     friction_kpa: dict[str, float | None]
@@ -75,9 +77,10 @@ def measure(
     placed: np.ndarray | None = None,
     on_body: OnBody | None = None,
     seams: dict[str, SeamTension | None] | None = None,
+    folds: Mapping[str, np.ndarray] | None = None,
 ) -> Measures:
-    """Measure a garment at positions (P,3) m. roles: role of edges -> keys of `Cloth.edge_vertices`; placed: (V,3) m of the vertices before sewing. Without a
-    mannequin (swatches) there is no ease.
+    """Measure a garment at positions (P,3) m. roles: role of edges -> keys of `Cloth.edge_vertices`; placed: (V,3) m of the vertices before sewing; folds: see
+    `fold_angles_deg`. Without a mannequin (swatches) there is no ease.
 
     Positions that are not finite (a diverged run) give a record whose values are None.
     """
@@ -85,7 +88,7 @@ def measure(
     counts = (cloth.particle_count, len(cloth.triangles), len(cloth.panel_names))
     mass = float(cloth.masses.sum())
     if not np.isfinite(positions).all():
-        return unmeasured(*counts, mass)
+        return unmeasured(*counts, mass, tuple(folds or {}))
     warp, weft = (yarn_strain(cloth, positions, direction) for direction in (WARP, WEFT))
     maps = fabric_maps(cloth, positions, materials)
     if on_body is not None:
@@ -102,6 +105,7 @@ def measure(
         hem=hem_height(cloth, positions, roles.get(HEM, ())),
         hem_shape=hem_shape(cloth, positions, roles.get(HEM, ())),
         carried=None if mannequin is None or placed is None else carried(cloth, placed, positions, mannequin, roles),
+        fold_deg=fold_angles_deg(cloth, positions, folds or {}),
         mass_kg=mass,
         pressure_kpa=dict.fromkeys(CONTACT_KEYS) if pressure is None else pressure.summary(),
         friction_kpa=dict.fromkeys(CONTACT_KEYS) if pressure is None else pressure.friction_summary(),
@@ -119,7 +123,7 @@ def _distances(distance_m: np.ndarray, area: np.ndarray) -> dict[str, float | No
     return {key: None if value is None else M_TO_MM * value for key, value in found.items()}
 
 
-def unmeasured(particles: int, triangles: int, panels: int, mass_kg: float) -> Measures:
+def unmeasured(particles: int, triangles: int, panels: int, mass_kg: float, folds: Iterable[str] = ()) -> Measures:
     """The record of a garment that has no shape to measure: every value is None."""
 
     def none(*keys: str) -> dict[str, float | None]:
@@ -138,6 +142,7 @@ def unmeasured(particles: int, triangles: int, panels: int, mass_kg: float) -> M
         hem=None,
         hem_shape=None,
         carried=None,
+        fold_deg=dict.fromkeys(folds),
         mass_kg=mass_kg,
         pressure_kpa=none(*CONTACT_KEYS),
         friction_kpa=none(*CONTACT_KEYS),

@@ -19,7 +19,7 @@ from garmentcad.io.shipped import resolve_reference
 from garmentcad.io.spec_file import read_spec, spec_folder, spec_path
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.draft import draft_errors
-from garmentcad.pattern.pattern import Pattern
+from garmentcad.pattern.pattern import Pattern, named_fabrics
 from garmentcad.pattern.spec import GarmentSpec
 from garmentcad.placement.place import place_vertices
 
@@ -47,19 +47,22 @@ def examine(spec: str | Path | GarmentSpec, mannequin: str | None = None, grid_m
 
 
 def _check_fabrics(spec: GarmentSpec, pattern: Pattern, folder: Path) -> list[Finding]:
-    wanted = {pattern.fabric: "fabric"}
-    for panel in pattern.panels.values():
-        if panel.fabric is not None:
-            wanted.setdefault(panel.fabric, f"panels.{panel.name}.fabric")
-        for region in panel.regions:
-            if region.fabric is not None:
-                wanted.setdefault(region.fabric, f"panels.{panel.name}.regions.{region.name}.fabric")
-    found = []
-    for fabric, key in wanted.items():
+    """Fabrics that cannot be read; then regions whose factors or interfacing make impossible cloth."""
+    found, sheets = [], {}
+    for fabric, key in {**named_fabrics(pattern), pattern.fabric: "fabric"}.items():
         try:
-            load_fabric(resolve_reference(fabric, "fabrics", folder))
+            sheets[fabric] = load_fabric(resolve_reference(fabric, "fabrics", folder)).sheet
         except InputError as error:
             found.append(refusal(type(error)(error.message, file=error.file or spec.file, key=error.key or key)))
+    if found:
+        return found
+    for panel in pattern.panels.values():
+        for region in panel.regions:
+            sheet = sheets[region.fabric or panel.fabric or pattern.fabric]
+            try:
+                material_row(sheet, region.factors, sheets[region.interfacing] if region.interfacing else None)
+            except InputError as error:
+                found.append(refusal(type(error)(error.message, file=spec.file, key=f"panels.{panel.name}.regions.{region.name}.{error.key}")))
     return found
 
 

@@ -1,4 +1,4 @@
-"""Findings on single panels: outline, cutouts, regions, size."""
+"""Findings on single panels: outline, cutouts, regions, folds, size."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 import shapely
 
 from garmentcad.check.finding import Finding
+from garmentcad.check.fold import check_folds
 from garmentcad.geometry.polygon import crossing_point, loop_points
 from garmentcad.pattern.pattern import Edge, Panel
 
@@ -36,6 +37,7 @@ def check_panel(panel: Panel, grid_mm: float, file: str | None) -> Iterator[Find
     if simple:
         polygon = shapely.Polygon(loop_points([edge.curve for edge in panel.edges], _TOLERANCE_MM))
         yield from _check_inside(panel, polygon, file, key)
+        yield from check_folds(panel, polygon, grid_mm, file, key)
         yield from _check_size(panel, polygon, grid_mm, file, key)
 
 

@@ -50,6 +50,7 @@ def bend_lines(mesh: PanelMesh) -> BendLines:
         length_a=floats(length_a * MM_TO_M),
         length_b=floats(length_b * MM_TO_M),
         width=floats(width * MM_TO_M),
+        held=np.ones(len(center)),
         direction=indices(direction),
         material=np.zeros(len(center), dtype=np.int32),
     )

@@ -66,6 +66,7 @@ class BendLines(NamedTuple):
     length_a: np.ndarray  # (B,) m at rest
     length_b: np.ndarray  # (B,) m at rest
     width: np.ndarray  # (B,) m
+    held: np.ndarray  # (B,) part of the sheet's bending friction that acts in the line: less over a fold
     direction: np.ndarray  # (B,) int32 direction of the line
     material: np.ndarray  # (B,) int32
 
@@ -94,6 +95,29 @@ class SeamHinges(NamedTuple):
     factor: np.ndarray  # (H,) bend factor of the seam (layers of allowance)
     material: np.ndarray  # (H,2) int32
     across_warp: np.ndarray  # (H,2)
+
+
+class Folds(NamedTuple):
+    """Which bend lines and cells fold lines cross, one row a pair (see cloth/folds.py). Places: along and across the fold, m."""
+
+    line: np.ndarray  # (N,) int32 row of BendLines
+    line_fold: np.ndarray  # (N,) int32
+    line_width: np.ndarray  # (N,) of the fold, m
+    line_weight: np.ndarray  # (N,) part of the line that lies beside this stretch of the fold, not past its end
+    line_share: np.ndarray  # (N,) part of the line that lies in the fold
+    line_places: np.ndarray  # (N,9,2) centre, arm a (two), arm b (two), both ends (of two) of the line that crosses there
+    cell: np.ndarray  # (M,) int32 row of Cells
+    cell_fold: np.ndarray  # (M,) int32
+    cell_width: np.ndarray  # (M,)
+    cell_weight: np.ndarray  # (M,)
+    cell_share: np.ndarray  # (M,)
+    cell_places: np.ndarray  # (M,4,2) corners 00, 10, 11, 01
+
+
+def no_folds() -> Folds:
+    """The folds of a cloth without fold lines."""
+    rows, values = np.empty(0, np.int32), np.empty(0)
+    return Folds(rows, rows, values, values, values, np.empty((0, 9, 2)), rows, rows, values, values, values, np.empty((0, 4, 2)))
 
 
 @dataclass(frozen=True)
@@ -126,6 +150,8 @@ class Cloth:
     edge_vertices: dict[str, np.ndarray]  # "panel.edge" -> vertices along the edge in outline order, both ends included
     seam_fold: np.ndarray = field(default_factory=lambda: np.zeros(0))  # (seams,) rad, rest angle of the hinges that welding makes
     seam_bend_factor: np.ndarray = field(default_factory=lambda: np.zeros(0))  # (seams,)
+    folds: Folds = field(default_factory=no_folds)
+    fold_names: tuple[str, ...] = ()  # "panel.fold"
 
     @property
     def particle_triangles(self) -> np.ndarray:

@@ -12,9 +12,10 @@ from scipy.spatial import cKDTree
 from garmentcad.arrays import floats, frozen, indices, unique_pairs
 from garmentcad.cloth.bend_lines import bend_lines
 from garmentcad.cloth.border import border_triangles
-from garmentcad.cloth.cloth import WARP, WEFT, BendLines, BorderTriangles, Cells, Cloth, ContourSpans, Links, SeamHinges
+from garmentcad.cloth.cloth import WARP, WEFT, BendLines, BorderTriangles, Cells, Cloth, ContourSpans, Folds, Links, SeamHinges
 from garmentcad.cloth.contour import Contour, sample_contours
 from garmentcad.cloth.contour_spans import contour_spans
+from garmentcad.cloth.folds import held, panel_folds, spans_beside, strengthened
 from garmentcad.cloth.panel_mesh import PARTICLE_CAP, PanelMesh, mesh_panel, to_panel
 from garmentcad.errors import InputError, LimitError, SpecError
 from garmentcad.fabric.material import MaterialTable
@@ -41,6 +42,8 @@ class _Part(NamedTuple):
     spans: ContourSpans
     triangles: np.ndarray
     triangle_material: np.ndarray
+    folds: Folds
+    fold_count: int
 
 
 def build_cloth(
@@ -101,6 +104,8 @@ def build_cloth(
         edge_vertices=_edge_vertices(pattern, contours, contour_first),
         seam_fold=frozen(floats(np.radians([seam.fold_angle_deg for seam in pattern.seams]))),
         seam_bend_factor=frozen(floats([seam.bend_factor for seam in pattern.seams])),
+        folds=_join_folds(parts),
+        fold_names=tuple(f"{name}.{fold.name}" for name, panel in pattern.panels.items() for fold in panel.folds),
     )
 
 
@@ -166,7 +171,10 @@ def _part(panel: Panel, mesh: PanelMesh, material_of: MaterialOf, materials: Mat
         material=cell_material,
     )
     bends = bend_lines(mesh)
-    links, spans = _links(mesh), contour_spans(mesh)
+    links, spans = _links(mesh), spans_beside(mesh, contour_spans(mesh), panel.folds, panel.grain_deg)
+    folds = panel_folds(mesh, bends, panel.folds, panel.grain_deg)
+    bends, twist_area = strengthened(folds, np.array([fold.strength for fold in panel.folds]), bends, cells.twist_area)
+    bends, cells = bends._replace(held=held(folds, len(bends.width))), cells._replace(twist_area=twist_area)
     triangles, source = _contact_triangles(mesh)
     return _Part(
         uv,
@@ -178,6 +186,8 @@ def _part(panel: Panel, mesh: PanelMesh, material_of: MaterialOf, materials: Mat
         spans._replace(material=rows_at(uv[spans.corners].mean(axis=1))),
         triangles,
         np.concatenate([cell_material[source], strip_material]),
+        folds,
+        len(panel.folds),
     )
 
 
@@ -237,6 +247,15 @@ def _join_border(parts: list[BorderTriangles], first: np.ndarray) -> BorderTrian
         for number, (part, triangle_start, patch_start) in enumerate(zip(parts, triangle_first, patch_first))
     ]
     return _join(shifted, first, ("corners",))
+
+
+def _join_folds(parts: list[_Part]) -> Folds:
+    shifted, line, cell, fold = [], 0, 0, 0
+    for part in parts:
+        rows = part.folds
+        shifted.append(rows._replace(line=rows.line + line, line_fold=rows.line_fold + fold, cell=rows.cell + cell, cell_fold=rows.cell_fold + fold))
+        line, cell, fold = line + len(part.bends.width), cell + len(part.cells.material), fold + part.fold_count
+    return _join(shifted, np.zeros(len(parts), dtype=np.int64), ())
 
 
 def _edge_vertices(pattern: Pattern, contours: dict[str, Contour], contour_first: np.ndarray) -> dict[str, np.ndarray]:

@@ -12,6 +12,7 @@ import numpy as np
 class State:
     """positions, velocities: (P,3) m, m/s. friction: sliders of internal friction by name of force (empty before the first step).
 
+    fold_angles: (F,) rad, to which each fold line of the cloth goes back when nothing else bends it; pressing moves them.
     constraint_speeds: (R,3) m/s, what the constraints demand of their gaps at this moment.
     contact: arrays of the detection clock and the candidate lists, by contact name; owned by the contacts, kept here so that a resumed run needs no
     extra detection. work_j: work done so far by the friction of contact and by internal friction. phase and rest: bookkeeping of the run (names in
@@ -29,10 +30,11 @@ class State:
     contact: dict[str, np.ndarray] = field(default_factory=dict)
     run: dict[str, float] = field(default_factory=dict)
     work_j: dict[str, float] = field(default_factory=lambda: {"friction": 0.0, "internal_friction": 0.0})
+    fold_angles: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     def sha256(self) -> str:
-        """Hash of the bits of positions, velocities and internal friction."""
+        """Hash of the bits of positions, velocities, folds and internal friction."""
         digest = hashlib.sha256()
-        for array in (self.positions, self.velocities, *(self.friction[key] for key in sorted(self.friction))):
+        for array in (self.positions, self.velocities, self.fold_angles, *(self.friction[key] for key in sorted(self.friction))):
             digest.update(np.ascontiguousarray(array, dtype="<f8").tobytes())
         return digest.hexdigest()

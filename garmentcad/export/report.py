@@ -86,6 +86,7 @@ def build_report(record: RunRecord, measures: Measures) -> dict[str, Any]:
         "hem": {name: None if measures.hem_shape is None else getattr(measures.hem_shape, name) for name in HEM_KEYS},
         "waist_drop_mm": None if measures.carried is None else measures.carried.waist_drop_mm,
         "armhole_to_shoulder_mm": dict.fromkeys(SIDES) if measures.carried is None else measures.carried.armhole_to_shoulder_mm,
+        "fold_deg": measures.fold_deg,
         "pressure_kpa": measures.pressure_kpa,
         "friction_kpa": measures.friction_kpa,
         "support_n": measures.support_n,
@@ -141,6 +142,8 @@ def report_table(report: Mapping[str, Any]) -> Table:
     reach = [value for value in report["armhole_to_shoulder_mm"].values() if value is not None]
     if reach:
         table.add_row("armholes", f"{' and '.join(f'{value:.1f}' for value in reach)} mm from the shoulder points")
+    for name, angle in report["fold_deg"].items():
+        table.add_row(f"fold {name}", f"{_show(angle)}°")
     for axis, values in report["strain_percent"].items():
         table.add_row(f"strain {axis}", f"median {_show(values['p50'])} %, p99 {_show(values['p99'])} %, max {_show(values['max'])} %")
     table.add_row("trellis angle", f"p99 {_show(report['trellis_deg']['p99'])}°, {_show(report['trellis_deg']['over_8_percent'])} % of the area over 8°")

@@ -11,9 +11,10 @@ import numpy as np
 from garmentcad.arrays import floats
 from garmentcad.errors import FabricError
 from garmentcad.fabric import law_shear
+from garmentcad.fabric.fused import fused
 from garmentcad.fabric.law_tension import initial_slope, solve_exponent, strain_at_force
-from garmentcad.fabric.quantity import quantity_of
-from garmentcad.fabric.sheet import KesSheet, is_calibrated
+from garmentcad.fabric.law_values import law_numbers
+from garmentcad.fabric.sheet import KesSheet
 from garmentcad.units import GF_CM2_CM_TO_N_M, GF_CM_CM_TO_N, GF_CM_DEG_TO_N_M_RAD, GF_CM_TO_N_M, MG_CM2_TO_KG_M2, MM_TO_M
 
 BODY_FRICTION = 1.0  # times MIU; both factors are estimates: MIU is measured against a steel wire
@@ -66,24 +67,13 @@ class MaterialRow(NamedTuple):
     friction_cloth: float
 
 
-def material_row(sheet: KesSheet, factors: Mapping[str, float] | None = None) -> MaterialRow:
-    """Law values of a completed sheet (calibrated ones where it carries them), each KES value times its factor.
+def material_row(sheet: KesSheet, factors: Mapping[str, float] | None = None, interfacing: KesSheet | None = None) -> MaterialRow:
+    """Law values of a completed sheet (calibrated ones where it carries them), each KES value times its factor; `interfacing` then adds its own (fused.py).
 
-    factors: by KES name for all directions (`B`) or one of them (`B.warp`); both multiply. FabricError for an unknown name, a factor that is not a
-    finite number above 0, an RT above 100 %, or a sheet with a gap.
+    FabricError as in `law_numbers` and `fused`, or for an RT above 100 %.
     """
-    factors = factors or {}
-    for key, factor in factors.items():
-        quantity_of(key)
-        if isinstance(factor, bool) or not isinstance(factor, int | float) or not (math.isfinite(factor) and factor > 0.0):
-            raise FabricError(f"factor {factor!r}; a finite number above 0 is allowed", key=f"factors.{key}")
-    calibrated = sheet.law.values if sheet.law is not None and is_calibrated(sheet) else {}
-
-    def value(key: str) -> float:
-        number = calibrated.get(key, sheet.number(key))
-        if "." in key:
-            number *= factors.get(key.partition(".")[0], 1.0)
-        return number * factors.get(key, 1.0)
+    numbers = law_numbers(sheet, factors) if interfacing is None else law_numbers(fused(sheet, interfacing, factors))
+    value = numbers.__getitem__
 
     def both(name: str) -> tuple[float, float]:
         return value(f"{name}.warp"), value(f"{name}.weft")

@@ -10,8 +10,11 @@ from numba import prange
 from garmentcad.arrays import indices, inlined, kernel, parallel_kernel
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.fabric.material import MaterialTable
-from garmentcad.forces.bend import CORNERS, bend_part
+from garmentcad.forces import bend as bend_lines
+from garmentcad.forces import fold as fold_lines
+from garmentcad.forces.bend import bend_part
 from garmentcad.forces.border import ForceBorder, border_part
+from garmentcad.forces.fold import ForceFold, fold_part
 from garmentcad.forces.force import NO_PARTICLE, Force
 from garmentcad.forces.hinge import ForceHinge, hinge_part
 from garmentcad.forces.lattice import ForceLattice, contour_lines, lattice_block
@@ -19,14 +22,14 @@ from garmentcad.forces.rows import PART
 from garmentcad.forces.span import ForceSpan, span_part
 from garmentcad.forces.time_step import DAMPING_RATIO, internal_damping_time
 
-LAWS = ("lattice", "border", "bend", "span", "hinge")
+LAWS = ("lattice", "border", "bend", "span", "hinge", "fold")
 BINS = 8  # the parts of all forces are dealt out in so many bins of about the same work, whatever the number of threads
 # Work of an element, us: of lattice blocks a slot, of the others one of the 128 elements of a part (measured, one thread).
-_WORK = (0.02, 0.022, 0.01, 0.014, 0.014)
+_WORK = (0.02, 0.022, 0.01, 0.014, 0.014, 0.03)
 
 
 @inlined
-def _one_part(kind, part, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, held, positions, velocities, out):  # type: ignore[no-untyped-def]
+def _one_part(kind, part, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, fold, held, positions, velocities, out):  # type: ignore[no-untyped-def]
     """Returns the energy lost [J]."""
     if kind == 0:
         return lattice_block(part, blocks, (coefficients, held[0]), setting, positions, velocities, rooms, out[first[0] : first[1]])
@@ -36,31 +39,35 @@ def _one_part(kind, part, first, blocks, coefficients, setting, rooms, border, b
         return bend_part(part, bend, held[2], positions, out[first[2] : first[3]])
     if kind == 4:
         return hinge_part(part, hinge, held[3], positions, out[first[4] : first[5]])
-    span_part(part, span, positions, out[first[3] : first[4]])
+    if kind == 3:
+        span_part(part, span, positions, out[first[3] : first[4]])
+    else:
+        fold_part(part, fold, positions, out[first[5] : first[6]])
     return 0.0
 
 
 @kernel
-def _one_bin(number, deal, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, held, positions, velocities, out, lost):  # type: ignore[no-untyped-def]
+def _one_bin(number, deal, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, fold, held, positions, velocities, out, lost):  # type: ignore[no-untyped-def]
     for k in range(deal.start[number], deal.start[number + 1]):
         kind, part = np.int64(deal.kind[k]), np.int64(deal.part[k])
-        lost[number] += _one_part(kind, part, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, held, positions, velocities, out)
+        lost[number] += _one_part(kind, part, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, fold, held, positions, velocities, out)
 
 
 @parallel_kernel
-def _write_all(deal, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, s0, s1, s2, s3, positions, velocities, out, lost):  # type: ignore[no-untyped-def]
+def _write_all(deal, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, fold, s0, s1, s2, s3, positions, velocities, out, lost):  # type: ignore[no-untyped-def]
     for number in prange(BINS):
         held = s0, s1, s2, s3  # of lattice, border, bend, hinge
-        _one_bin(np.int64(number), deal, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, held, positions, velocities, out, lost)
+        _one_bin(np.int64(number), deal, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, fold, held, positions, velocities, out, lost)
 
 
 @inlined
 def write_internal(laws, positions, velocities, corner_forces):  # type: ignore[no-untyped-def]
     """All corner forces, in one parallel region. laws: see `law_arguments`."""
-    deal, first, lattice, border, bend, span, hinge, (a, b, c, d), lost = laws
+    deal, first, lattice, border, bend, span, hinge, fold, (a, b, c, d), lost = laws
     blocks, coefficients, setting, rooms = lattice
     _write_all(
-        deal, first, blocks, coefficients, setting, rooms, border[0], bend[0], span[0], hinge[0], a, b, c, d, positions, velocities, corner_forces, lost
+        deal, first, blocks, coefficients, setting, rooms, border[0], bend[0], span[0], hinge[0], fold[0], a, b, c, d, positions, velocities,
+        corner_forces, lost,
     )  # fmt: skip
 
 
@@ -77,13 +84,13 @@ def law_arguments(forces: tuple[Any, ...], sliders: dict[str, np.ndarray], lost:
     sliders by name of force, which are moved, and lost (BINS,), to which the energy that they lose [J] is added."""
     if tuple(force.name for force in forces) != LAWS:
         raise ValueError(f"forces {[force.name for force in forces]}; the stepper knows {list(LAWS)}, in this order")
-    lattice, border, bend, span, hinge = forces
-    corners = (1, 3, CORNERS, 4, 4)
+    lattice, border, bend, span, hinge, fold = forces
+    corners = (1, 3, bend_lines.CORNERS, 4, 4, fold_lines.CORNERS)
     sizes = [lattice.arguments[0].size]
-    for force, per_element in zip((border, bend, span, hinge), corners[1:]):
+    for force, per_element in zip((border, bend, span, hinge, fold), corners[1:]):
         count = len(force.corners) // per_element
         sizes.append(np.minimum(PART, count - PART * np.arange(-(-count // PART))))
-    kind, part = np.repeat(np.arange(5), [len(size) for size in sizes]), np.concatenate([np.arange(len(size)) for size in sizes])
+    kind, part = np.repeat(np.arange(len(LAWS)), [len(size) for size in sizes]), np.concatenate([np.arange(len(size)) for size in sizes])
     work = np.concatenate([cost * size for cost, size in zip(_WORK, sizes)])
     bins: list[list[int]] = [[] for _ in range(BINS)]
     load = np.zeros(BINS)
@@ -99,8 +106,10 @@ def law_arguments(forces: tuple[Any, ...], sliders: dict[str, np.ndarray], lost:
     return deal, first, *(force.arguments for force in forces), held, lost
 
 
-def internal_forces(cloth: Cloth, materials: MaterialTable, damping_ratio: float = DAMPING_RATIO) -> list[Force]:
-    """Lattice (stretch, shear, twist, bend), border, bend lines that end on the contour, contour spans and seam hinges of `cloth`.
+def internal_forces(cloth: Cloth, materials: MaterialTable, damping_ratio: float = DAMPING_RATIO, fold_angles: np.ndarray | None = None) -> list[Force]:
+    """Lattice (stretch, shear, twist, bend), border, bend lines that end on the contour, contour spans, seam hinges and folds of `cloth`.
+
+    fold_angles (F,): rest angles of the folds, rad; None for flat ones.
 
     Damping acts along the strain rates of stretch, shear and border with one time tau, so that the highest in-plane mode at rest, the stiffest of the cloth,
     has about `damping_ratio` (0 for none); lower modes have less in proportion to their frequency. Rigid motion is not damped.
@@ -114,4 +123,4 @@ def internal_forces(cloth: Cloth, materials: MaterialTable, damping_ratio: float
         stiffness += np.bincount(force.corners[used], weights=corner_stiffness[used], minlength=len(stiffness))
     for force in damped:
         force.damping_time = internal_damping_time(stiffness, cloth.masses, damping_ratio)
-    return [*damped, contour_lines(cloth, materials), ForceSpan(cloth, materials), ForceHinge(cloth, materials)]
+    return [*damped, contour_lines(cloth, materials), ForceSpan(cloth, materials), ForceHinge(cloth, materials), ForceFold(cloth, materials, fold_angles)]

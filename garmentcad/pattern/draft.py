@@ -10,6 +10,7 @@ import numpy as np
 from garmentcad.arrays import frozen
 from garmentcad.errors import InputError, SpecError, did_you_mean
 from garmentcad.pattern.darts import add_notches, cut_darts
+from garmentcad.pattern.fold import draft_folds
 from garmentcad.pattern.mirror import mirrored_panel, unfold
 from garmentcad.pattern.outline import draft_loop, finish_loop, is_counter_clockwise, reverse_edge
 from garmentcad.pattern.pattern import Edge, EdgeUse, Panel, Pattern, Seam, Transform, Wrap
@@ -98,6 +99,10 @@ def _draft_panel(name: str, spec: PanelSpec, scope: Scope) -> Panel:
             if edge.name in taken:
                 raise SpecError(f"a second edge is called {edge.name!r}; names of edges differ within a panel", key=f"{key}.cutouts.{k}")
         holes.append(finish_loop(turned))
+    lines = {
+        line: frozen(np.array([scope.point(pair, f"{key}.internal_lines.{line}.{k}") for k, pair in enumerate(pairs)]).reshape(-1, 2))
+        for line, pairs in spec.internal_lines.items()
+    }
     panel = Panel(
         name=name,
         edges=finish_loop(edges),
@@ -108,10 +113,8 @@ def _draft_panel(name: str, spec: PanelSpec, scope: Scope) -> Panel:
         quantity=spec.quantity,
         holes=tuple(holes),
         regions=draft_regions(spec, edges, scope, key),
-        internal_lines={
-            line: frozen(np.array([scope.point(pair, f"{key}.internal_lines.{line}.{k}") for k, pair in enumerate(pairs)]).reshape(-1, 2))
-            for line, pairs in spec.internal_lines.items()
-        },
+        folds=draft_folds(spec, lines, scope, key),
+        internal_lines=lines,
         drill_holes={hole: scope.point(pair, f"{key}.drill_holes.{hole}") for hole, pair in spec.drill_holes.items()},
         points=points,
     )

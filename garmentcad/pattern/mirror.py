@@ -6,6 +6,8 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 
+import numpy as np
+
 from garmentcad.errors import SpecError
 from garmentcad.geometry.curve import Line, Point, mirror_point
 from garmentcad.pattern.darts import find_edge
@@ -13,6 +15,7 @@ from garmentcad.pattern.outline import finish_loop, mirror_edge
 from garmentcad.pattern.pattern import Edge, Panel, Region, Transform, Wrap
 
 SUFFIX = "_m"
+_ON_FOLD_MM = 0.01  # a fold line that is its own image, as the crease at centre front, stays one
 
 
 def unfold(half: Panel, mirror: str, key: str) -> Panel:
@@ -44,6 +47,7 @@ def unfold(half: Panel, mirror: str, key: str) -> Panel:
         edges=finish_loop([*drawn, *turned]),
         holes=half.holes + image.holes,
         regions=half.regions + image.regions,
+        folds=half.folds + tuple(fold for fold, drawn in zip(image.folds, half.folds) if not np.allclose(fold.points_mm, drawn.points_mm, atol=_ON_FOLD_MM)),
         internal_lines=half.internal_lines | image.internal_lines,
         drill_holes=half.drill_holes | image.drill_holes,
         points=image.points | half.points,
@@ -65,24 +69,21 @@ def _direction(line: Line) -> Point:
 def _mirrored(panel: Panel, point: Point, direction: Point, renamed: Callable[[str], str], suffix: str) -> Panel:
     """A panel with all but its edges mirrored."""
 
+    def mirrored(points: np.ndarray) -> np.ndarray:
+        return np.array([mirror_point((float(x), float(y)), point, direction) for x, y in points]).reshape(-1, 2)
+
     def region(area: Region) -> Region:
-        polygon = area.polygon_mm.copy()
-        for k, corner in enumerate(area.polygon_mm):
-            polygon[k] = mirror_point((float(corner[0]), float(corner[1])), point, direction)
-        return replace(area, name=area.name + suffix, polygon_mm=polygon[::-1].copy())
+        return replace(area, name=area.name + suffix, polygon_mm=mirrored(area.polygon_mm)[::-1].copy())
 
     def hole(loop: tuple[Edge, ...]) -> tuple[Edge, ...]:
         return finish_loop([mirror_edge(edge, point, direction, renamed, suffix) for edge in reversed(loop)])
 
-    lines = {name + suffix: line.copy() for name, line in panel.internal_lines.items()}
-    for line in lines.values():
-        for k, corner in enumerate(line):
-            line[k] = mirror_point((float(corner[0]), float(corner[1])), point, direction)
     return replace(
         panel,
         holes=tuple(hole(loop) for loop in panel.holes),
         regions=tuple(region(area) for area in panel.regions),
-        internal_lines=lines,
+        folds=tuple(replace(fold, name=fold.name + suffix, points_mm=mirrored(fold.points_mm)) for fold in panel.folds),
+        internal_lines={name + suffix: mirrored(line) for name, line in panel.internal_lines.items()},
         drill_holes={name + suffix: mirror_point(place, point, direction) for name, place in panel.drill_holes.items()},
         points={renamed(name): mirror_point(place, point, direction) for name, place in panel.points.items()},
     )

@@ -39,6 +39,21 @@ class Region:
 
 
 @dataclass(frozen=True)
+class FoldLine:
+    """A line along which a panel is folded when it is pressed.
+
+    angle_deg: 0 is flat, 180 laid on itself, positive brings the right sides together. strength: factor on the bending stiffness over the fold.
+    pressed: share of the angle that stays, 0 for a fold that is not pressed, None for the share of the fabric's fibre.
+    """
+
+    name: str
+    points_mm: np.ndarray  # (N,2) at least two different ones
+    angle_deg: float
+    strength: float = 1.0
+    pressed: float | None = None
+
+
+@dataclass(frozen=True)
 class Wrap:
     """Panel wrapped on an arrangement cylinder: the panel point `anchor_mm` goes to (angle, height); panel +x runs toward rising angle (to the right seen from
     outside), panel +y along `up`. The radii of the cylinder are enlarged by `offset_mm` and multiplied by `scale`; `turn_deg` turns the panel about its anchor
@@ -85,6 +100,7 @@ class Panel:
     quantity: int = 1
     holes: tuple[tuple[Edge, ...], ...] = ()
     regions: tuple[Region, ...] = ()
+    folds: tuple[FoldLine, ...] = ()
     internal_lines: dict[str, np.ndarray] = field(default_factory=dict)  # name -> (N,2) mm
     drill_holes: dict[str, tuple[float, float]] = field(default_factory=dict)
     points: dict[str, tuple[float, float]] = field(default_factory=dict)
@@ -123,3 +139,17 @@ class Pattern:
     mannequin: str
     values: dict[str, float]
     measurements_mm: dict[str, float]
+
+
+def named_fabrics(pattern: Pattern) -> dict[str, str]:
+    """Every fabric and interfacing that panels and regions name beside the garment's own, with the key path of the first that does."""
+    named: dict[str, str] = {}
+    for panel in pattern.panels.values():
+        key = f"panels.{panel.name}"
+        places = [(panel.fabric, f"{key}.fabric")]
+        for region in panel.regions:
+            places += [(region.fabric, f"{key}.regions.{region.name}.fabric"), (region.interfacing, f"{key}.regions.{region.name}.interfacing")]
+        for name, place in places:
+            if name is not None:
+                named.setdefault(name, place)
+    return named

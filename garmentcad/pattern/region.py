@@ -17,7 +17,8 @@ _TOLERANCE_MM = 0.05
 
 
 def draft_regions(spec: PanelSpec, edges: list[Edge], scope: Scope, key: str) -> tuple[Region, ...]:
-    """Regions of a panel with a counter-clockwise outline. A panel's own interfacing is a region over all of it, before the others."""
+    """Regions of a panel with a counter-clockwise outline. A panel's own interfacing is a region over all of it, before the others; those keep it unless
+    they name an interfacing or a fabric of their own."""
     outline = loop_points([edge.curve for edge in edges], _TOLERANCE_MM)
     regions = [Region("interfacing", frozen(outline), interfacing=spec.interfacing)] if spec.interfacing else []
     names = [region.name for region in spec.regions]
@@ -26,8 +27,9 @@ def draft_regions(spec: PanelSpec, edges: list[Edge], scope: Scope, key: str) ->
         if names.index(region.name) < k:
             raise SpecError(f"a second region is called {region.name!r}; names differ within a panel", key=f"{where}.name")
         factors = {name: scope.number(factor, f"{where}.factors.{name}", 0.0, 1e4) for name, factor in region.factors.items()}
+        interfacing = region.interfacing if region.interfacing is not None or region.fabric is not None else spec.interfacing
         for polygon in _areas(region, edges, outline, scope, where):
-            regions.append(Region(region.name, frozen(polygon), factors, region.fabric, region.interfacing))
+            regions.append(Region(region.name, frozen(polygon), factors, region.fabric, interfacing))
     return tuple(regions)
 
 

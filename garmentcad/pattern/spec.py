@@ -38,6 +38,11 @@ def _whole(value: Any) -> Any:
     return value
 
 
+def _pressed(value: Any) -> bool | float | str:
+    """Pressed or not, or how much of the fold stays."""
+    return value if isinstance(value, bool) else _number(value)
+
+
 def _name(value: str) -> str:
     if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_-]{0,63}", value):
         raise PydanticCustomError("name", "a name starts with a letter and has at most 64 letters, digits, _ and -")
@@ -57,6 +62,7 @@ def _edge_point(value: str) -> str:
 
 
 Number = Annotated[float | str, BeforeValidator(_number)]
+Pressed = Annotated[bool | float | str, BeforeValidator(_pressed)]
 Whole = Annotated[int, BeforeValidator(_whole)]
 Name = Annotated[str, AfterValidator(_name)]
 Variable = Annotated[str, AfterValidator(_variable)]
@@ -160,7 +166,7 @@ class BandSpec(Model):
 
 
 class RegionSpec(Model):
-    """A named area, by polygon or by band, with factors on KES values, or another fabric, or a fused interfacing."""
+    """A named area, by polygon or by band, with factors on KES values, a fabric of its own, a fused interfacing."""
 
     name: Name
     polygon: list[PointSpec] | None = Field(default=None, min_length=3)
@@ -173,6 +179,28 @@ class RegionSpec(Model):
     def _one_area(self) -> RegionSpec:
         self._exactly_one("polygon", "band")
         return self
+
+
+class FoldSpec(Model):
+    """The panel folds along an internal line. angle: degrees it is pressed to, positive brings the right sides together; strength: factor on the bending
+    stiffness over the fold; pressed: yes (as much stays as the fabric's fibre lets stay), no, or the share of the angle that stays."""
+
+    name: Name
+    line: Name
+    angle: Number
+    strength: Number = 1.0
+    pressed: Pressed = True
+
+
+class PleatSpec(Model):
+    """A knife pleat: folded wrong sides together along `fold`, which is seen, and right sides together along `under`, which lies behind it."""
+
+    name: Name
+    fold: Name
+    under: Name
+    angle: Number = 170.0
+    strength: Number = 1.0
+    pressed: Pressed = True
 
 
 class WrapSpec(Model):
@@ -218,6 +246,8 @@ class PanelSpec(Model):
     notches: list[NotchSpec] = []
     darts: list[DartSpec] = []
     internal_lines: dict[Name, list[PointSpec]] = {}
+    folds: list[FoldSpec] = []
+    pleats: list[PleatSpec] = []
     drill_holes: dict[Name, PointSpec] = {}
     cutouts: list[list[EdgeSpec]] = []
     regions: list[RegionSpec] = []

@@ -18,7 +18,7 @@ from garmentcad.io.shipped import resolve_reference
 from garmentcad.io.spec_file import read_spec, spec_folder, spec_path
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.draft import draft
-from garmentcad.pattern.pattern import Pattern
+from garmentcad.pattern.pattern import Pattern, named_fabrics
 from garmentcad.pattern.spec import GarmentSpec
 
 Mode = Literal["drape", "dynamics"]
@@ -78,8 +78,6 @@ def make_job(
     folder = spec_folder(model)
     body = read_mannequin(mannequin if mannequin is not None else resolve_reference(model.mannequin, "mannequins", folder))
     pattern = draft(model, body.measurements_mm)
-    wanted = {panel.fabric for panel in pattern.panels.values() if panel.fabric}
-    wanted |= {region.fabric for panel in pattern.panels.values() for region in panel.regions if region.fabric}
-    fabrics = {name: load_fabric(resolve_reference(name, "fabrics", folder)) for name in sorted(wanted)}
+    fabrics = {name: load_fabric(resolve_reference(name, "fabrics", folder)) for name in sorted(named_fabrics(pattern))}
     fabrics[pattern.fabric] = load_fabric(fabric_path(fabric)) if fabric is not None else load_fabric(resolve_reference(pattern.fabric, "fabrics", folder))
     return Job(model, pattern, fabrics, body, float(grid_mm), seed, mode, max_time_s, folder)

@@ -1,4 +1,4 @@
-"""Which material lies where: one row per fabric and per region with factors, and the function that says which row a point of a panel has."""
+"""Which material lies where: one row per panel and per region, and the function that says which row a point of a panel has."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 from shapely import contains_xy
 from shapely.geometry import Polygon
 
-from garmentcad.errors import SpecError
+from garmentcad.errors import FabricError, SpecError
 from garmentcad.fabric.material import MaterialRow, MaterialTable, material_row, material_table
 from garmentcad.pattern.pattern import Panel
 from garmentcad.simulation.job import Job
@@ -24,12 +24,14 @@ def lay_out(job: Job) -> tuple[MaterialTable, MaterialOf]:
     sheets = {name: completed.sheet for name, completed in job.fabrics.items()}
     for panel in job.pattern.panels.values():
         of_panel[panel.name] = len(rows)
-        rows.append(material_row(sheets[panel.fabric or job.pattern.fabric]))
+        fabric = panel.fabric or job.pattern.fabric
+        rows.append(material_row(sheets[fabric]))
         for region in panel.regions:
-            if region.interfacing is not None:
-                raise SpecError("interfacing is not simulated yet; leave it out or use factors", key=f"panels.{panel.name}.regions.{region.name}.interfacing")
             of_region[panel.name, region.name] = len(rows)
-            rows.append(material_row(sheets[region.fabric or panel.fabric or job.pattern.fabric], region.factors))
+            try:
+                rows.append(material_row(sheets[region.fabric or fabric], region.factors, sheets[region.interfacing] if region.interfacing else None))
+            except FabricError as fault:
+                raise SpecError(fault.message, key=f"panels.{panel.name}.regions.{region.name}.{fault.key}") from None
 
     def material_of(panel: Panel, points_mm: np.ndarray) -> np.ndarray:
         found = np.full(len(points_mm), of_panel[panel.name], dtype=np.int32)

@@ -91,14 +91,15 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
                 roles[edge.role].append(key)
     if finite:
         seams = _seams(outcome)
-    return made, measure(cloth, state.positions, outcome.materials, body, roles, place_vertices(job.pattern, cloth, body), worn, seams)
+    folds = {f"{panel.name}.{fold.name}": fold.points_mm for panel in job.pattern.panels.values() for fold in panel.folds}
+    return made, measure(cloth, state.positions, outcome.materials, body, roles, place_vertices(job.pattern, cloth, body), worn, seams, folds)
 
 
 def _seams(outcome: Outcome) -> dict[str, SeamTension | None]:
     """Seam tensions: what each panel's own elements do to its vertices, every vertex where its particle is."""
     flat = outcome.flat
     positions = outcome.state.positions[outcome.cloth.vertex_particle]
-    apart = ForceAssembly(internal_forces(flat, outcome.materials), flat.particle_count, [ForceGravity(flat.masses)])
+    apart = ForceAssembly(internal_forces(flat, outcome.materials, fold_angles=outcome.state.fold_angles), flat.particle_count, [ForceGravity(flat.masses)])
     forces = np.zeros_like(positions)
     # Welding leaves the elements and their order as they are, and adds hinges: what holds by internal friction is that of the sewn garment.
     sliders = {name: outcome.state.friction[name].copy() if slack.size else slack for name, slack in apart.slack().items()}

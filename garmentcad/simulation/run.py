@@ -1,4 +1,4 @@
-"""One run: lay out, place, sew, weld, drape; with checkpoints from which it goes on in the same bits."""
+"""One run: lay out, place, sew, weld, press, drape; with checkpoints from which it goes on in the same bits."""
 
 from __future__ import annotations
 
@@ -33,6 +33,7 @@ from garmentcad.simulation.checkpoint import load_state, save_state
 from garmentcad.simulation.course import SOFTNESS, Course, Progress
 from garmentcad.simulation.job import Job
 from garmentcad.simulation.materials import lay_out
+from garmentcad.simulation.pressing import imposed_angles, press, under_iron
 from garmentcad.simulation.refine import refined, refined_sliders
 from garmentcad.simulation.sewing import Welding, close_seams, weld_state
 from garmentcad.simulation.start import refuse_tangled
@@ -143,7 +144,11 @@ class _Run:
                 if failed is not None:
                     return failed
             assert self.state is not None
-            dynamics, forces_at = _dynamics(self.job, cloth, self.materials, sewing=False)
+            if self.state.phase == "press":
+                failed = self._press(flat, cloth)
+                if failed is not None:
+                    return failed
+            dynamics, forces_at = _dynamics(self.job, cloth, self.materials, self.state.fold_angles)
             if before is not None:
                 self.state = _refined_state(before, self.state, (cloth, dynamics.forces), level, self.job.mannequin)
             if not self.state.contact:
@@ -170,7 +175,7 @@ class _Run:
 
     def _sew(self, flat: Cloth, welded: Cloth, particle_map: np.ndarray) -> Outcome | None:
         """Close and weld the seams; an outcome only where that failed."""
-        dynamics, forces_at = _dynamics(self.job, flat, self.materials, sewing=True)
+        dynamics, forces_at = _dynamics(self.job, flat, self.materials, np.zeros(len(flat.fold_names)), dressing=True)
         if self.state is None:
             self.state = _placed_state(self.job, flat, self.warnings)
             if flat.spacing == MM_TO_M * self.job.grid_mm:
@@ -184,7 +189,7 @@ class _Run:
             return self._outcome(flat, flat, dynamics, error.status)
         self._add_up(dynamics)
         self.state = weld_state(flat, welded, particle_map, self.state)
-        self.state.phase = "fall"
+        self.state.phase = "press" if flat.fold_names else "fall"
         self.state.run |= {"phase_from_s": self.state.time_s} | welding.as_run()
         return None
 
@@ -193,6 +198,25 @@ class _Run:
         softness = SOFTNESS if self.job.mode == "drape" else 1.0
         flat = any(isinstance(panel.placement, Transform) for panel in self.job.pattern.panels.values())
         return (lambda card: forces_at(softness, card)) if flat else None
+
+    def _press(self, flat: Cloth, cloth: Cloth) -> Outcome | None:
+        """Lay the folds and set them; an outcome only where that failed."""
+        assert self.state is not None
+        iron = under_iron(cloth)
+        dynamics, _ = _dynamics(self.job, iron, self.materials, imposed_angles(self.job), dressing=True)
+        if not self.state.contact:
+            dynamics.start(self.state)
+        self._begin(dynamics)
+        try:
+            press(dynamics, self.state, self.job, self.keep)
+        except (DivergedError, IntersectingError) as error:
+            self.warnings.append(f"while it was pressed: {error}")
+            return self._outcome(flat, cloth, dynamics, error.status)
+        self._add_up(dynamics)
+        # Contact starts anew: what it remembers belongs to other masses and another stiffness.
+        self.state.contact, self.state.phase = {}, "fall"
+        self.state.run |= {"phase_from_s": self.state.time_s}
+        return None
 
     def _outcome(self, flat: Cloth, cloth: Cloth, dynamics: Dynamics, status: str) -> Outcome:
         assert self.state is not None
@@ -221,23 +245,28 @@ def _refined_state(before: tuple[Cloth, ForceAssembly], state: State, after: tup
     kept = {key: value for key, value in state.run.items() if key != "step_factor"}
     friction = refined_sliders(*before, state, *after, positions)
     run = kept | {"level": float(level)}
-    return State(positions, velocities, state.time_s, state.step, phase="fall", friction=friction, run=run, work_j=dict(state.work_j))
+    made = State(positions, velocities, state.time_s, state.step, phase="fall", friction=friction, run=run, fold_angles=state.fold_angles)
+    made.work_j = dict(state.work_j)
+    return made
 
 
-def _dynamics(job: Job, cloth: Cloth, materials: MaterialTable, sewing: bool) -> tuple[Dynamics, Callable[..., ForceAssembly]]:
-    """The stepper, and its forces at a softness (and a factor on bending). While sewing there is neither weight nor friction: seams slide until they close."""
-    weight = [] if sewing else [ForceGravity(cloth.masses)]
+def _dynamics(
+    job: Job, cloth: Cloth, materials: MaterialTable, fold_angles: np.ndarray, dressing: bool = False
+) -> tuple[Dynamics, Callable[..., ForceAssembly]]:
+    """The stepper, and its forces at a softness (and a factor on bending). While sewing and pressing there is neither weight nor friction: seams slide until
+    they close."""
+    weight = [] if dressing else [ForceGravity(cloth.masses)]
 
     def forces_at(softness: float, card: float = 1.0) -> ForceAssembly:
         softer = softened(materials, softness)
         softer = softer._replace(bending=card * softer.bending, twist=card * softer.twist)
-        return ForceAssembly(internal_forces(cloth, softer), cloth.particle_count, weight)
+        return ForceAssembly(internal_forces(cloth, softer, fold_angles=fold_angles), cloth.particle_count, weight)
 
     touch = materials
-    if sewing:
+    if dressing:
         touch = materials._replace(friction_body=0.0 * materials.friction_body, friction_cloth=0.0 * materials.friction_cloth)
     contact = Contact(cloth, touch, (job.mannequin.vertices, job.mannequin.faces))
-    forces = forces_at(SOFTNESS if sewing and job.mode == "drape" else 1.0)
+    forces = forces_at(SOFTNESS if dressing and job.mode == "drape" else 1.0)
     return Dynamics(cloth, forces, strain_limit(cloth, materials), contact), forces_at
 
 
@@ -248,7 +277,7 @@ def _placed_state(job: Job, cloth: Cloth, warnings: list[str]) -> State:
     positions = move_panels(cloth, positions, moves)
     refuse_tangled(cloth, positions, job.mannequin)
     positions = positions + JITTER_M * np.random.default_rng(job.seed).standard_normal(positions.shape)
-    return State(positions, np.zeros_like(positions), phase="close")
+    return State(positions, np.zeros_like(positions), phase="close", fold_angles=np.zeros(len(cloth.fold_names)))
 
 
 class _Keeper:

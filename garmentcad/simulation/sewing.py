@@ -106,4 +106,6 @@ def weld_state(cloth: Cloth, welded: Cloth, particle_map: np.ndarray, state: Sta
     old = state.friction.get("hinge", hinges[:0])
     hinges[: len(old)] = old
     friction = state.friction | {"hinge": hinges}
-    return State(positions, velocities, state.time_s, state.step, state.time_step_s, friction=friction, run=dict(state.run), work_j=dict(state.work_j))
+    welded_state = State(positions, velocities, state.time_s, state.step, state.time_step_s, friction=friction, fold_angles=state.fold_angles)
+    welded_state.run, welded_state.work_j = dict(state.run), dict(state.work_j)
+    return welded_state

@@ -1,0 +1,74 @@
+"""Fold lines and pleats: from the spec to the pattern, and the share that pressing leaves."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from garmentcad.errors import SpecError
+from garmentcad.fabric.pressing import pressed_share
+from garmentcad.pattern.draft import draft
+from garmentcad.pattern.parse import parse_spec
+from garmentcad.pattern.pattern import Panel
+
+
+def panel(**more: Any) -> Panel:
+    drawn = {
+        "points": {"a": [0, 0], "b": [200, 0], "c": [200, 400], "d": [0, 400]},
+        "edges": [{"name": f"e_{name}", "from": name, "to": after} for name, after in zip("abcd", "bcda")],
+        "internal_lines": {"center": [[0, 0], [0, 400]], "one": [[80, 0], [80, 400]], "two": [[110, 0], [110, "20 * 20"]], "dot": [[5, 5], [5, 5]]},
+        "placement": {"transform": {"translation": [0, 0, 0]}},
+        **more,
+    }
+    return draft(parse_spec({"name": "x", "fabric": "wool", "mannequin": "woman-88", "panels": {"p": drawn}}, "x.yaml"), {}).panels["p"]
+
+
+def test_a_fold_is_pressed_unless_it_is_said_how() -> None:
+    folds = [{"name": f"f{k}", "line": "one", "angle": -150, "strength": 2, **more} for k, more in enumerate(({}, {"pressed": False}, {"pressed": "0.4 * 2"}))]
+    made = panel(folds=folds).folds
+    assert [fold.pressed for fold in made] == [None, 0.0, 0.8]
+    assert (made[0].angle_deg, made[0].strength) == (-150.0, 2.0)
+    assert made[0].points_mm.tolist() == [[80.0, 0.0], [80.0, 400.0]]
+
+
+def test_a_knife_pleat_is_two_folds_that_turn_back() -> None:
+    outer, under = panel(pleats=[{"name": "k", "fold": "one", "under": "two", "angle": 160}]).folds
+    assert (outer.name, outer.angle_deg, under.name, under.angle_deg) == ("k_fold", -160.0, "k_under", 160.0)
+    assert under.points_mm[0].tolist() == [110.0, 0.0]
+
+
+def test_mirrored_folds_keep_their_side_of_the_fabric_and_one_on_the_mirror_stays_one() -> None:
+    drawn = panel(
+        edges=[{"name": name, "from": name[0], "to": name[1]} for name in ("ab", "bc", "cd", "da")],
+        mirror="da",
+        folds=[{"name": "crease", "line": "center", "angle": -170}],
+        pleats=[{"name": "k", "fold": "one", "under": "two"}],
+    )
+    assert [fold.name for fold in drawn.folds] == ["crease", "k_fold", "k_under", "k_fold_m", "k_under_m"]
+    assert [fold.angle_deg for fold in drawn.folds] == [-170.0, -170.0, 170.0, -170.0, 170.0]
+    assert np.array_equal(drawn.folds[3].points_mm, [[-80.0, 0.0], [-80.0, 400.0]])
+
+
+@pytest.mark.parametrize(("more", "key", "message"), [
+    ({"folds": [{"name": "f", "line": "onee", "angle": 9}]}, "folds.0.line", "did you mean 'one'"),
+    ({"folds": [{"name": "f", "line": "dot", "angle": 9}]}, "folds.0.line", "has no length"),
+    ({"folds": [{"name": "f", "line": "one", "angle": 190}]}, "folds.0.angle", "came 190; allowed is -180 to 180"),
+    ({"folds": [{"name": "f", "line": "one", "angle": 9, "pressed": 1.2}]}, "folds.0.pressed", "came 1.2; allowed is 0 to 1"),
+    ({"folds": [{"name": "f", "line": "one", "angle": 9, "strength": 0}]}, "folds.0.strength", "allowed is 0.1 to 100"),
+    ({"folds": [{"name": "f", "line": "one", "angle": 9}, {"name": "f", "line": "two", "angle": 9}]}, "folds.1.name", "a second fold is called 'f'"),
+    ({"folds": [{"name": "f", "line": "one", "angle": 9, "pressed": []}]}, "folds.0.pressed", "a number or an expression is wanted"),
+    ({"pleats": [{"name": "k", "fold": "one", "under": "tow"}]}, "pleats.0.under", "did you mean 'two'"),
+])  # fmt: skip
+def test_faults(more: dict[str, Any], key: str, message: str) -> None:
+    with pytest.raises(SpecError) as caught:
+        panel(**more)
+    assert caught.value.key == f"panels.p.{key}"
+    assert message in caught.value.message
+
+
+def test_the_fibre_that_sets_best_holds_the_fold() -> None:
+    assert pressed_share("100% wool") == 0.85
+    assert pressed_share("55% polyester, 45% Wool") == 0.9
+    assert pressed_share(None) == pressed_share("hemp") == 0.75

@@ -1,0 +1,81 @@
+"""Which material lies where: fabric of the garment, of a panel, of a region; factors; interfacing. Against the rows of the single sheets."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from garmentcad.errors import SpecError
+from garmentcad.fabric.material import material_row
+from garmentcad.fabric.missing import Completed, complete
+from garmentcad.fabric.sheet import sheet_from
+from garmentcad.mannequin.mannequin import Mannequin
+from garmentcad.pattern.draft import draft
+from garmentcad.pattern.parse import parse_spec
+from garmentcad.pattern.pattern import Panel
+from garmentcad.simulation.job import Job
+from garmentcad.simulation.materials import lay_out
+
+BODY = Mannequin("none", np.zeros((0, 3)), np.zeros((0, 3), np.int32), {}, {}, {}, (), np.zeros(0, np.int32))
+
+
+def completed(name: str, mass: float) -> Completed:
+    return complete(sheet_from({"schema": 1, "name": name, "source": "our laboratory", "W": mass}))
+
+
+FABRICS = {"wool": completed("wool", 20.0), "cotton": completed("cotton", 10.0), "measured": completed("measured", 33.0), "fusible": completed("fusible", 4.0)}
+
+
+def job(**panel: Any) -> Job:
+    edges = [{"name": name, "from": name, "to": after} for name, after in zip("abcd", "bcda")]
+    drawn = {
+        "points": {"a": [0, 0], "b": [300, 0], "c": [300, 100], "d": [0, 100]},
+        "edges": edges,
+        "placement": {"transform": {"translation": [0, 0, 0]}},
+        **panel,
+    }
+    spec = parse_spec({"name": "x", "fabric": "wool", "mannequin": "woman-88", "panels": {"p": drawn}}, "x.yaml")
+    return Job(spec, draft(spec, {}), FABRICS, BODY)
+
+
+def square(left: float, right: float) -> list[list[float]]:
+    return [[left, 0], [right, 0], [right, 100], [left, 100]]
+
+
+def masses(made: Job, *x: float) -> list[float]:
+    """kg/m2 at points along the middle of the panel."""
+    table, material_of = lay_out(made)
+    panel: Panel = made.pattern.panels["p"]
+    return table.areal_mass[material_of(panel, np.array([[value, 50.0] for value in x]))].tolist()
+
+
+def test_a_region_with_a_sheet_of_its_own_stands_in_place_of_the_fabric() -> None:
+    made = job(fabric="cotton", regions=[{"name": "yoke", "polygon": square(0, 100), "fabric": "measured"}])
+    assert masses(made, 50.0, 150.0) == pytest.approx([0.33, 0.10])
+    assert lay_out(made)[0].bending[1] == pytest.approx(material_row(FABRICS["measured"].sheet).bending)
+
+
+def test_interfacing_of_a_panel_lies_under_its_regions() -> None:
+    regions = [
+        {"name": "double", "polygon": square(0, 100), "factors": {"W": 2}},
+        {"name": "measured", "polygon": square(100, 200), "fabric": "measured"},
+    ]
+    made = job(interfacing="fusible", regions=regions)
+    # two layers and one interfacing; a measured part as it was measured; the fabric with its interfacing
+    assert masses(made, 50.0, 150.0, 250.0) == pytest.approx([0.44, 0.33, 0.24])
+
+
+def test_the_later_region_counts_and_its_interfacing_is_its_own() -> None:
+    regions = [
+        {"name": "front", "polygon": square(0, 200), "interfacing": "fusible"},
+        {"name": "strip", "polygon": square(100, 200), "factors": {"W": 1.5}},
+    ]
+    assert masses(job(regions=regions), 50.0, 150.0, 250.0) == pytest.approx([0.24, 0.30, 0.20])
+
+
+def test_impossible_cloth_names_the_region() -> None:
+    with pytest.raises(SpecError, match="impossible") as caught:
+        lay_out(job(regions=[{"name": "slab", "polygon": square(0, 100), "factors": {"W": 30}, "interfacing": "fusible"}]))
+    assert caught.value.key == "panels.p.regions.slab.W"
