@@ -71,16 +71,3 @@ def test_panels_that_cross_in_depth() -> None:
     moves = clearing_moves(pattern, cloth, positions, body())
     assert {move.panel for move in moves} == {"a", "b"}
     assert len(crossing_triangle_pairs(move_panels(cloth, positions, moves), cloth.triangles)) == 0
-
-
-def test_a_panel_that_reaches_under_another_comes_out() -> None:
-    """A sleeve 100 mm inside of a front that it overlaps by a quarter: it goes over it, 30 mm clear. A front under a lapel that lies on it stays."""
-    pattern, cloth, positions = started(front=([0, 500, 300], [0, 0, 0]), sleeve=([150, 500, 200], [0, 0, 0]))
-    (move,) = clearing_moves(pattern, cloth, positions, body())
-    assert (move.panel, move.clear_of) == ("sleeve", ("panel front",))
-    assert move.by_m == pytest.approx([0, 0, 0.130])
-    pattern, cloth, positions = started(front=([0, 500, 200], [0, 0, 0]), lapel=([0, 500, 300], [0, 0, 0]))
-    assert clearing_moves(pattern, cloth, positions, body()) == []
-    # The back of a garment looks the other way: nothing lies over it in front.
-    pattern, cloth, positions = started(front=([0, 500, 300], [0, 0, 0]), back=([200, 500, -200], [0, 180, 0]))
-    assert clearing_moves(pattern, cloth, positions, body()) == []

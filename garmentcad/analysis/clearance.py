@@ -1,26 +1,20 @@
-"""Rigid moves that free flat panels at the start: away from panels that they touch or cross, out of the body, and out from under other panels."""
+"""Rigid moves that free flat panels at the start: away from panels that they touch or cross, and out of the body along their right side."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
 import numpy as np
-import shapely
 
 from garmentcad.analysis.penetration import signed_distances
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.geometry.intersection import crossing_triangle_pairs
-from garmentcad.geometry.polygon import loop_points
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.pattern import Pattern, Transform
-from garmentcad.units import M_TO_MM, MM_TO_M
+from garmentcad.units import M_TO_MM
 
 STEP_M = 0.004  # of a panel in one round, and what it goes farther than it must
-OVER_M = 0.030  # between a panel that comes out from under another one and that panel
 _ROUNDS = 60
-_ALIKE = 0.9  # cosine between the right sides of panels that lie over each other
-_OVERLAP_MM2 = 400.0
-_MOSTLY = 0.5  # of its area that a panel lies over another one, where it is meant to: a lapel, a pocket
 
 
 @dataclass(frozen=True)
@@ -40,10 +34,8 @@ class Move:
 def clearing_moves(pattern: Pattern, cloth: Cloth, positions: np.ndarray, mannequin: Mannequin) -> list[Move]:
     """Moves after which the panels that lie flat (placed by a transform) touch neither each other nor the body. Empty where they do not anyway.
 
-    positions (V,3) m: vertices as placed. A panel that reaches between another one and the body would be caught there when their seams close (the sleeve of a
-    shirt under its front): it comes out to the right side of the other. Two panels part along the line between their middles; a panel leaves the body on its
-    right side, which is the outer one. What a mapping rule wrapped stays. Where many rounds do not help, the panels are left as they are: whoever starts
-    looks again.
+    positions (V,3) m: vertices as placed. Two panels part along the line between their middles; a panel leaves the body on its right side, which is the
+    outer one. What a mapping rule wrapped stays. Where many rounds do not help, the panels are left as they are: whoever starts looks again.
     """
     count = len(cloth.panel_names)
     flat = np.array([isinstance(panel.placement, Transform) for panel in pattern.panels.values()])
@@ -52,10 +44,6 @@ def clearing_moves(pattern: Pattern, cloth: Cloth, positions: np.ndarray, manneq
     middles = np.array([positions[cloth.vertex_panel == panel].mean(axis=0) for panel in range(count)])
     moves, reserve = np.zeros((count, 3)), np.zeros((count, 3))
     reasons: list[set[str]] = [set() for _ in range(count)]
-    for inner, outer, way in _covered(pattern):
-        if np.linalg.norm(way) > np.linalg.norm(moves[inner]):
-            moves[inner] = way
-        reasons[inner].add(f"panel {cloth.panel_names[outer]}")
     for _ in range(_ROUNDS if flat.any() else 0):
         moved = positions + (moves + reserve)[cloth.vertex_panel]
         before = moves.copy()
@@ -78,26 +66,6 @@ def clearing_moves(pattern: Pattern, cloth: Cloth, positions: np.ndarray, manneq
         if np.array_equal(before, moves):
             return [Move(cloth.panel_names[k], moves[k] + reserve[k], tuple(sorted(reasons[k]))) for k in range(count) if reasons[k]]
     return []
-
-
-def _covered(pattern: Pattern) -> list[tuple[int, int, np.ndarray]]:
-    """Flat panels that reach under others: number of the inner panel, of the outer one, and the way (3,) m over it."""
-    flat = [(k, panel, panel.placement) for k, panel in enumerate(pattern.panels.values()) if isinstance(panel.placement, Transform)]
-    outlines = {k: loop_points([edge.curve for edge in panel.edges]) for k, panel, _ in flat}
-    found = []
-    for outer, _, over in flat:
-        frame = over.matrix
-        cover = shapely.Polygon(outlines[outer]).buffer(0.0)
-        for inner, _, under in flat:
-            if inner == outer or under.matrix[:, 2] @ frame[:, 2] < _ALIKE:
-                continue
-            inside = np.column_stack([outlines[inner], np.zeros(len(outlines[inner]))]) @ under.matrix.T + under.translation_mm
-            local = (inside - over.translation_mm) @ frame
-            overlap = cover.intersection(shapely.Polygon(local[:, :2]).buffer(0.0)).area
-            depth = -float(local[:, 2].min())
-            if local[:, 2].max() < 0.0 and _OVERLAP_MM2 < overlap < _MOSTLY * cover.area:
-                found.append((inner, outer, (depth * MM_TO_M + OVER_M) * frame[:, 2]))
-    return found
 
 
 def move_panels(cloth: Cloth, positions: np.ndarray, moves: list[Move]) -> np.ndarray:

@@ -10,7 +10,6 @@ import numpy as np
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.state import State
 from garmentcad.constraints.points import ConstraintPoints, stitch_rows
-from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.simulation.course import (
     CLOSED_M,
     CLOSING_CAP_S,
@@ -24,9 +23,6 @@ from garmentcad.simulation.course import (
 )  # fmt: skip
 from garmentcad.solve.dynamics import Dynamics
 
-# Panels that start flat come a long way to their seams, and small folds that form on it are caught between seams that close around them. Until CARD_S they
-# bend like card; then bending falls to what it is, so that darts and gathers close. (A GarmentCode T-shirt at 20 mm closes so, and to 10 mm without.)
-CARD, CARD_S, CARD_ENDS_S = 30.0, 0.8, 1.3
 WIDEST_WELD_MM = 1.0  # a seam that was wider open when it was welded did not close
 _GAP, _SPEED, _REDUNDANT = "gap_mm.", "gap_speed_m_s", "redundant."
 
@@ -65,11 +61,8 @@ class Welding:
         return cls(gaps, run.get(_SPEED), tuple(key.removeprefix(_REDUNDANT) for key in run if key.startswith(_REDUNDANT)))
 
 
-def close_seams(dynamics: Dynamics, state: State, look: Callable[[Progress], None], carded: Callable[[float], ForceAssembly] | None = None) -> Welding:
-    """Pull the stitches of `dynamics.cloth` (without gravity) together until every gap is below CLOSED_M or the cap is reached.
-
-    carded: the forces with bending times a factor, where panels come from afar.
-    """
+def close_seams(dynamics: Dynamics, state: State, look: Callable[[Progress], None]) -> Welding:
+    """Pull the stitches of `dynamics.cloth` (without gravity) together until every gap is below CLOSED_M or the cap is reached."""
     cloth = dynamics.cloth
     names = tuple(cloth.seam_names[k] for k in cloth.stitch_seam)
     pull = CLOSING_PULL_N_M * cloth.spacing
@@ -78,13 +71,9 @@ def close_seams(dynamics: Dynamics, state: State, look: Callable[[Progress], Non
         state.constraint_speeds = np.zeros((len(cloth.stitches), 3))
     dynamics.equalise, dynamics.drag = True, CLOSING_DRAG
     dynamics.speed_cap_m_s = SPEED_CAP_M_S
-    card = 0.0
     while True:
         gaps = np.linalg.norm(dynamics.constraint.gaps(state.positions), axis=1)
         look(Progress(state.phase, state.step, state.time_s, float(gaps.max(initial=0.0)) * 1e3, None, dynamics.measures(state)[2], None))
-        wanted = CARD ** min(1.0, max(0.0, (CARD_ENDS_S - state.time_s) / (CARD_ENDS_S - CARD_S)))
-        if carded is not None and wanted != card:
-            card, dynamics.forces = wanted, carded(wanted)
         if gaps.max(initial=0.0) < CLOSED_M or state.time_s >= CLOSING_CAP_S:
             break
         advance_or_retreat(dynamics, state)
