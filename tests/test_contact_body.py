@@ -10,7 +10,7 @@ import pytest
 import trimesh
 from loose_sheet import Sheet, correct, crosses_body, fabric, least_distance
 
-from garmentcad.contact.body import CLEARANCE
+from garmentcad.contact.body import CLEARANCE, ELEMENT_GAP, BodyElements
 from garmentcad.contact.contact import Contact
 from garmentcad.contact.surface import build_surface, bulge, convex_curvature
 
@@ -179,3 +179,16 @@ def test_bulge_of_a_ball_a_box_and_a_needle() -> None:
     needle = trimesh.creation.cone(radius=0.012, height=0.05, sections=12)
     tip = bulge(build_surface(np.asarray(needle.vertices), np.asarray(needle.faces)), 0.007)[np.argmax(needle.vertices[:, 2])]
     assert tip == pytest.approx(0.007 * 0.05 / np.hypot(0.05, 0.012), rel=1e-3)
+
+
+@pytest.mark.parametrize("radius", [0.06, 0.15, 0.6])
+def test_the_longest_side_clears_every_vertex_that_is_not_looked_at(radius: float) -> None:
+    """A side longer than the lattice's diagonal lies with its middle over a vertex, its ends at their gap above the ball: sqrt((R + g)^2 - (L/2)^2) - R."""
+    ball, spacing, longest = trimesh.creation.icosphere(subdivisions=4, radius=radius), 0.02, 0.033
+    body = BodyElements(np.asarray(ball.vertices), np.asarray(ball.faces), spacing, longest)
+    gap = np.maximum(np.minimum(body.rise, body.largest_gap), 1e-3)
+    clear = np.sqrt((radius + gap) ** 2 - (0.5 * longest) ** 2) - radius
+    looked_at = np.zeros(len(gap), dtype=bool)
+    looked_at[body._points.nodes[:, 0]] = True
+    assert (clear[~looked_at] > ELEMENT_GAP).all()
+    assert looked_at.all() == (radius < 0.3)

@@ -17,6 +17,7 @@ from garmentcad.fabric.material import MaterialTable
 
 CLEARANCE = 0.6e-3  # m, what a flat triangle keeps above the body's curve between its particles
 LARGEST_GAP = 0.4  # of the lattice spacing
+STRETCHED = 1.1  # of its length at rest, what a side of a triangle reaches
 ELEMENT_GAP = 0.15e-3  # m, of body vertices and edges against cloth triangles and edges
 
 
@@ -33,20 +34,22 @@ def kept_gap(cloth: Cloth, materials: MaterialTable, vertices: np.ndarray, faces
 
 
 class BodyElements:
-    """A body, vertices (V,3) m and faces (F,3) counter-clockwise from outside, under a cloth of a lattice `spacing` [m].
+    """A body, vertices (V,3) m and faces (F,3) counter-clockwise from outside, under a cloth of a lattice `spacing` whose longest side of a triangle is
+    `longest` at rest [m].
 
     rise: (V,) m, least gap at each vertex, because a flat triangle between particles h apart dips h^2/(4 R) below a bulge of radius R. largest_gap: m, up to
     which it counts. The vertices of `surface` are its own, and may move: then `refit`.
     """
 
-    def __init__(self, vertices: np.ndarray, faces: np.ndarray, spacing: float) -> None:
+    def __init__(self, vertices: np.ndarray, faces: np.ndarray, spacing: float, longest: float) -> None:
         self.surface = build_surface(vertices, faces)
         count = len(self.surface.vertices)
         self.largest_gap = LARGEST_GAP * spacing
         self.rise = _rise(self.surface, spacing)
         kept = np.maximum(np.minimum(self.rise, self.largest_gap), LEAST_GAP)
-        # Twice the element gap stays between a triangle at its particles' gap and the bulge, or the vertex is looked at by itself.
-        sharp = bulge(self.surface, spacing / np.sqrt(2.0)) > kept - 2.0 * ELEMENT_GAP
+        # Twice the element gap stays between a triangle at its particles' gap and the bulge, or the vertex is looked at by itself. A side may lie over the
+        # vertex with its middle: the longest one, and longer while tension is soft.
+        sharp = bulge(self.surface, 0.5 * STRETCHED * longest) > kept - 2.0 * ELEMENT_GAP
         edges = unique_edges(self.surface.faces)
         numbers = np.arange(count)
         self.face_tree = fitted_tree(elements(self.surface.faces, numbers), self.surface.vertices)

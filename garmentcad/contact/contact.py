@@ -38,6 +38,7 @@ from garmentcad.contact.surface import Surface, edge_of_side, pseudo_normals
 from garmentcad.errors import InputError
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.geometry.closest import distance_between
+from garmentcad.units import MM_TO_M
 
 # Of the lattice spacing: the way of any node that one detection covers. The neighbours in a lattice stand 0.7 spacings apart; up to there pairs are few.
 _ACROSS, _COVERED_LEAST = 0.7, 0.125
@@ -99,6 +100,12 @@ def respond(contact, motion, way, covered, fastest):  # type: ignore[no-untyped-
     return part, worst, work, speed
 
 
+def _longest_side(cloth: Cloth) -> float:
+    """Longest side of a triangle at rest, m."""
+    corners = cloth.vertex_uv_mm[cloth.triangles]
+    return MM_TO_M * float(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(initial=0.0))
+
+
 class Contact:
     """Keeps a cloth's parts apart by the fabric's thickness, and off a body by half of it, at least 1 mm each, between mid-surfaces.
 
@@ -122,7 +129,7 @@ class Contact:
         self._cloth_gap, body_gap = np.maximum(thickness, LEAST_GAP), np.maximum(0.5 * thickness, LEAST_GAP)
         self._cloth_friction, self._body_friction = (largest_around(cloth, values) for values in (materials.friction_cloth, materials.friction_body))
         self._elements = ClothElements(cloth, float(self._cloth_gap.max(initial=LEAST_GAP)))
-        self._body, self._itself = None if body is None else BodyElements(*body, cloth.spacing), itself
+        self._body, self._itself = None if body is None else BodyElements(*body, cloth.spacing, _longest_side(cloth)), itself
         self._spacing = cloth.spacing
         if self._body is None:
             self._surface = Surface(np.zeros((0, 3)), np.zeros((0, 3), np.int32), np.zeros((0, 7, 3)))
