@@ -125,7 +125,7 @@ def relaxed(cloth: Cloth, start: np.ndarray, angle: float) -> np.ndarray:
         assembly.add_up(positions, rest, out)
         return 1e6 * sum(assembly.energy(positions).values()), -1e6 * out.ravel()
 
-    found = minimize(energy, start.ravel(), jac=True, method="L-BFGS-B", options={"maxiter": 500, "maxfun": 1000, "ftol": 1e-13, "gtol": 1e-5, "maxcor": 30})
+    found = minimize(energy, start.ravel(), jac=True, method="L-BFGS-B", options={"maxiter": 4000, "maxfun": 8000, "ftol": 1e-13, "gtol": 1e-5, "maxcor": 30})
     return found.x.reshape(-1, 3)
 
 

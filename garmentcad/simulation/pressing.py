@@ -1,7 +1,8 @@
 """Pressing: after sewing and before the garment hangs, the folds are laid to their angles under the iron; a share of each angle stays.
 
 While the iron is on, cloth goes over a fold to the angle that is imposed and is many times as stiff there as cloth alone, without weight and without
-friction. Then the rest angle of each fold moves by its share of the way to the imposed one (`State.fold_angles`) and stays there: nothing else changes it.
+friction, its own included: heat and steam let fibres slip. Then the rest angle of each fold moves by its share of the way to the imposed one
+(`State.fold_angles`) and stays there: nothing else changes it. Internal friction begins anew, from the shape that the iron left (both are estimates).
 """
 
 from __future__ import annotations
@@ -45,7 +46,7 @@ def shares(job: Job) -> np.ndarray:
 
 
 def press(dynamics: Dynamics, state: State, job: Job, look: Callable[[Progress], None]) -> None:
-    """Lay the folds, then set their rest angles. dynamics: of the cloth `under_iron`, with the imposed angles as rest angles and without weight."""
+    """Lay the folds, then set their rest angles. dynamics: of the cloth `under_iron`, with the imposed angles as rest angles, without weight and without internal friction."""
     dynamics.equalise, dynamics.drag, dynamics.speed_cap_m_s = True, CLOSING_DRAG, SPEED_CAP_M_S
     while True:
         rms, since = dynamics.measures(state)[2], state.time_s - state.run["phase_from_s"]
@@ -53,4 +54,5 @@ def press(dynamics: Dynamics, state: State, job: Job, look: Callable[[Progress],
         if (since >= LEAST_S and rms < STILL_M_S) or since >= MOST_S:
             break
         advance_or_retreat(dynamics, state)
+    state.friction = dynamics.forces.drawn(state.positions, 0.0)
     state.fold_angles = state.fold_angles + shares(job) * (imposed_angles(job) - state.fold_angles)

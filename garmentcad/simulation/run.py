@@ -21,7 +21,7 @@ from garmentcad.cloth.state import State
 from garmentcad.cloth.weld import weld
 from garmentcad.contact.contact import Contact
 from garmentcad.errors import GarmentError, LimitError
-from garmentcad.fabric.material import MaterialTable, softened
+from garmentcad.fabric.material import MaterialTable, softened, without_friction
 from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
@@ -206,7 +206,7 @@ class _Run:
         """Lay the folds and set them; an outcome only where that failed."""
         assert self.state is not None
         iron = under_iron(cloth)
-        dynamics, _ = _dynamics(self.job, iron, self.materials, imposed_angles(self.job), dressing=True)
+        dynamics, _ = _dynamics(self.job, iron, without_friction(self.materials), imposed_angles(self.job), dressing=True)
         if not self.state.contact:
             dynamics.start(self.state)
         self._begin(dynamics)
