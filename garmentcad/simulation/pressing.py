@@ -46,7 +46,8 @@ def shares(job: Job) -> np.ndarray:
 
 
 def press(dynamics: Dynamics, state: State, job: Job, look: Callable[[Progress], None]) -> None:
-    """Lay the folds, then set their rest angles. dynamics: of the cloth `under_iron`, with the imposed angles as rest angles, without weight and without internal friction."""
+    """Lay the folds, then set their rest angles. dynamics: of the cloth `under_iron`, with the imposed angles as rest angles, without weight and without
+    internal friction."""
     dynamics.equalise, dynamics.drag, dynamics.speed_cap_m_s = True, CLOSING_DRAG, SPEED_CAP_M_S
     while True:
         rms, since = dynamics.measures(state)[2], state.time_s - state.run["phase_from_s"]
