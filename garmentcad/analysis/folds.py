@@ -11,7 +11,7 @@ from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.folds import WIDEST
 from garmentcad.units import M_TO_MM
 
-_FAR = 2.0  # grids beyond the cylinder of the fold on which the cloth on either side is looked at
+_FAR = 1.0  # grids beyond the cylinder of the fold on which the cloth on either side is looked at
 _STRETCH = 3.0  # grids of fold over which normals are averaged
 
 
