@@ -192,7 +192,7 @@ def test_body_carries_the_weight_of_a_hanging_skirt() -> None:
     weight = GRAVITY_M_S2 * float(cloth.masses.sum())
     support = worn.pressure.support_n(weight)
     assert support["normal"] + support["friction"] == pytest.approx(weight, rel=0.01)
-    assert abs(support["friction"]) > 0.05 * weight
+    assert np.linalg.norm(worn.pressure.friction_n, axis=1).sum() > 0.05 * weight  # it takes part, whichever way it points
     assert 0.05 < worn.pressure.in_contact.mean() < 0.8
     cone = np.linalg.norm(worn.pressure.friction_n, axis=1) - MU * np.linalg.norm(worn.pressure.normal_n, axis=1)
     assert cone.max() < 0.01 * weight
