@@ -36,7 +36,7 @@ def job(width: float, **more: Any) -> Job:
     drawn = {
         "points": {"a": [0, 0], "b": [width, 0], "c": [width, 60], "d": [0, 60]},
         "edges": [{"name": f"e_{name}", "from": name, "to": after} for name, after in zip("abcd", "bcda")],
-        "internal_lines": {"middle": [[width / 2, 0], [width / 2, 60]], "outer": [[45, 0], [45, 60]], "inner": [[75, 0], [75, 60]]},
+        "internal_lines": {"middle": [[width / 2, 0], [width / 2, 60]], "outer": [[45, 0], [45, 60]], "inner": [[95, 0], [95, 60]]},
         "placement": {"transform": {"translation": [0, 0, 0]}},
         **more,
     }
@@ -87,10 +87,12 @@ def test_a_pressed_crease_stays_and_one_that_is_not_opens() -> None:
     assert abs(kept[False]) < 0.2
 
 
-def test_a_knife_pleat_is_two_folds_pressed_opposite_ways() -> None:
-    made = job(120, pleats=[{"name": "knife", "fold": "outer", "under": "inner", "angle": 140}])
+def test_a_pressed_knife_pleat_stays_folded() -> None:
+    made = job(140, pleats=[{"name": "knife", "fold": "outer", "under": "inner", "angle": 140}])
     assert shares(made) == pytest.approx([0.85, 0.85])
-    _, (ironed, _), state = pressed_and_hung(made)
-    assert ironed["p.knife_fold"] == pytest.approx(-130.0, abs=12.0)
-    assert ironed["p.knife_under"] == pytest.approx(130.0, abs=12.0)
+    _, (ironed, hung), state = pressed_and_hung(made)
+    assert ironed["p.knife_fold"] == pytest.approx(-140.0, abs=12.0)
+    assert ironed["p.knife_under"] == pytest.approx(140.0, abs=12.0)
     assert np.degrees(state.fold_angles) == pytest.approx([-119.0, 119.0])
+    assert -0.95 * 140 < hung["p.knife_fold"] < -0.6 * 140
+    assert 0.6 * 140 < hung["p.knife_under"] < 0.95 * 140

@@ -19,7 +19,9 @@ def test_weld_keeps_mass_center_and_momentum() -> None:
     welded, particle_map = weld(flat)
     rng = np.random.default_rng(0)
     state = State(rng.standard_normal((flat.particle_count, 3)), rng.standard_normal((flat.particle_count, 3)))
+    state.fold_angles = np.array([0.7, -2.0])
     after = weld_state(flat, welded, particle_map, state)
+    assert after.fold_angles.tobytes() == state.fold_angles.tobytes()
     for before, now in ((state.positions, after.positions), (state.velocities, after.velocities)):
         assert (welded.masses[:, None] * now).sum(axis=0) == pytest.approx((flat.masses[:, None] * before).sum(axis=0), rel=1e-12)
     alone = np.bincount(particle_map)[particle_map] == 1
