@@ -25,11 +25,11 @@ def bent(times: float) -> MaterialTable:
 
 @pytest.fixture(scope="module")
 def drapes() -> dict[float, Drape]:
-    return {times: drape_test(bent(times), GRID_MM, 0, "18/30") for times in (0.1, 1000.0)}
+    return {times: drape_test(bent(times), GRID_MM, 0) for times in (0.1, 100.0)}
 
 
 def test_a_plate_casts_the_shadow_of_its_disc_and_limp_cloth_hangs(drapes: dict[float, Drape]) -> None:
-    plate, limp = drapes[1000.0], drapes[0.1]
+    plate, limp = drapes[100.0], drapes[0.1]
     assert plate.status == limp.status == "converged"
     assert plate.dc_percent == pytest.approx(100.0, abs=2.0)  # the rim of a 20 mm lattice is a polygon
     assert plate.shadow.nodes == 0

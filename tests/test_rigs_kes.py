@@ -11,11 +11,11 @@ import pytest
 from garmentcad.fabric.material import MaterialTable, without_friction
 from garmentcad.fabric.sheet import KesSheet, is_calibrated
 from garmentcad.io.fabric_file import fabric_path, load_fabric, read_fabric, write_fabric, write_law
-from garmentcad.rigs import bending, shear
+from garmentcad.rigs import bending
 from garmentcad.rigs import calibrate as calibration
 from garmentcad.rigs.bending import bending_test, printed_bending
 from garmentcad.rigs.calibrate import calibrate, corrections_percent
-from garmentcad.rigs.kes import Record, Tester, run_tester, sheet_materials
+from garmentcad.rigs.kes import KesTester, Record, run_tester, sheet_materials
 from garmentcad.rigs.shear import printed_shear, shear_test
 from garmentcad.rigs.specimen import Specimen
 from garmentcad.rigs.tension import tension_test
@@ -32,7 +32,6 @@ ELASTIC = without_friction(MATERIALS)
 def few_points(monkeypatch: pytest.MonkeyPatch) -> None:
     """Records of the points that are read, and few others."""
     monkeypatch.setattr(bending, "STEPS", 5)
-    monkeypatch.setattr(shear, "STEP_DEG", 0.5)
 
 
 def linear(warp: float = 2000.0, weft: float = 1200.0) -> MaterialTable:
@@ -99,7 +98,7 @@ def test_shear_loses_a_few_percent_at_the_free_edges() -> None:
 
 
 def test_loops_of_shear_and_bending_have_the_widths_of_the_sheet() -> None:
-    for tester in (Tester("shear", "warp"), Tester("bending", "warp")):
+    for tester in (KesTester("shear", "warp"), KesTester("bending", "warp")):
         printed = run_tester(tester, SHEET, MATERIALS, 10.0).printed
         for key, value in printed.items():
             assert value == pytest.approx(SHEET.number(key), rel=0.05), key
@@ -108,7 +107,7 @@ def test_loops_of_shear_and_bending_have_the_widths_of_the_sheet() -> None:
 def test_calibration_makes_testers_that_lose_a_share_print_the_sheet(monkeypatch: pytest.MonkeyPatch) -> None:
     lost = {"G": 0.96, "2HG": 0.95, "2HG5": 0.97, "B": 1.02, "2HB": 0.99, "LT": 1.0, "EMT": 1.01}
 
-    def print_law(tester: Tester, sheet: KesSheet, materials: MaterialTable, grid_mm: float) -> Record:
+    def print_law(tester: KesTester, sheet: KesSheet, materials: MaterialTable, grid_mm: float) -> Record:
         law = current[-1]
         printed = {f"{name}.{tester.way}": lost.get(name, 1.0) * law[f"{name}.{tester.way}"] for name in calibration.SOLVED[tester.kind] if name != "RT"}
         if tester.kind == "tension":

@@ -12,12 +12,12 @@ from collections.abc import Callable
 
 from garmentcad.fabric.quantity import quantity_of
 from garmentcad.fabric.sheet import CalibratedLaw, KesSheet, sheet_sha256
-from garmentcad.rigs.kes import TESTERS, Tester, run_tester, sheet_materials
+from garmentcad.rigs.kes import TESTERS, KesTester, run_tester, sheet_materials
 
 GRID_MM = 2.5
 AGREED = 2e-3  # prints as near as that to the sheet are not corrected again
 MOST_ROUNDS = 5
-# What the laws have values for. 2HB of the bias is none: warp and weft bring it along, and twist adds what they lack.
+# What the testers print and the laws have values for.
 SOLVED = {"tension": ("LT", "EMT", "RT"), "shear": ("G", "2HG", "2HG5"), "bending": ("B", "2HB")}
 _SHARED = SOLVED["shear"]  # one trellis law for both directions: the mean, and one correction
 
@@ -49,9 +49,9 @@ def calibrate(sheet: KesSheet, grid_mm: float = GRID_MM, say: Callable[[str], No
     return with_law(sheet, values)
 
 
-def _solved(tester: Tester) -> list[str]:
+def _solved(tester: KesTester) -> list[str]:
     """Keys of the law values that a tester prints."""
-    return [f"{name}.{tester.way}" for name in SOLVED[tester.kind] if (name, tester.way) != ("2HB", "bias")]
+    return [f"{name}.{tester.way}" for name in SOLVED[tester.kind] if (name, tester.way) != ("2HB", "bias")]  # see `run_tester`
 
 
 def _wanted_over_printed(key: str, wanted: float, printed: float) -> float:

@@ -20,6 +20,7 @@ from garmentcad.forces.assembly import ForceAssembly
 
 _DISPLACED = 1e-7  # of the lattice spacing, for the differences
 _CONVERGED = 1e-6  # of the lattice spacing: the last correction
+_BALANCED = 1e-6  # of the largest force on a particle, clamps included: what may be left where sliders hold and slip by turns
 _LONGEST = 0.5  # of the lattice spacing: no particle goes farther in one correction
 _MOST_CORRECTIONS = 200
 _ANCHOR = 1e-8  # of the stiffest unknown: the weakest springs
@@ -86,10 +87,13 @@ class Equilibrium:
 
     def solve(self, given: np.ndarray, modes: csr_array, unknowns: np.ndarray, load: np.ndarray | float = 0.0) -> np.ndarray:
         """The unknowns (N,) in equilibrium, from a guess; given (P,3) m, modes (3P,N), load (N,) N on the unknowns. UnbalancedError where there is none."""
+        largest_force = 0.0
 
         def residual(q: np.ndarray) -> np.ndarray:
-            positions = given + (modes @ q).reshape(-1, 3)
-            return np.asarray(modes.T @ self.forces(positions).ravel() + load)
+            nonlocal largest_force
+            forces = self.forces(given + (modes @ q).reshape(-1, 3))
+            largest_force = float(np.abs(forces).max())
+            return np.asarray(modes.T @ forces.ravel() + load)
 
         q, before, anchor, largest = unknowns.copy(), np.inf, self._first_anchor, 0.0
         left = residual(q)
@@ -121,13 +125,16 @@ class Equilibrium:
                 before, fresh = np.inf, True
                 continue
             q, left, before, fresh = q + part * step, ahead, size, False
+            if float(np.abs(left).max(initial=0.0)) < _BALANCED * largest_force:
+                self._first_anchor = max(largest, anchor)  # the next state will want about the same
+                return q
             if anchor > 0.0:
                 largest = max(largest, anchor)
                 anchor, before = (_LOOSENED * anchor if anchor > _ANCHOR * self._stiffest else 0.0), 0.0
             elif part < 1.0:
                 before = 0.0
             elif size < _CONVERGED * self._spacing:
-                self._first_anchor = largest  # the next state will want about the same
+                self._first_anchor = largest
                 return q
         raise UnbalancedError(f"a specimen of {len(given)} particles finds no equilibrium: the last correction was {size:.2g} m")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from garmentcad.fabric.material import MaterialTable, material_row, material_table
+from garmentcad.fabric.material import MaterialTable, material_row, material_table, without_friction
 from garmentcad.fabric.sheet import KesSheet
 from garmentcad.rigs.bending import bending_test, printed_bending
 from garmentcad.rigs.loop import Branch
@@ -13,7 +13,7 @@ from garmentcad.rigs.specimen import ANGLES
 from garmentcad.rigs.tension import printed_tension, tension_test
 
 
-class Tester(NamedTuple):
+class KesTester(NamedTuple):
     """A test of one kind on a specimen cut in one way."""
 
     kind: str  # tension, shear or bending
@@ -31,10 +31,10 @@ class Record(NamedTuple):
     printed: dict[str, float]
 
 
-TESTERS = (*(Tester(kind, way) for kind in ("tension", "shear") for way in ("warp", "weft")), *(Tester("bending", way) for way in ANGLES))
+TESTERS = (*(KesTester(kind, way) for kind in ("tension", "shear") for way in ("warp", "weft")), *(KesTester("bending", way) for way in ANGLES))
 
 
-def run_tester(tester: Tester, sheet: KesSheet, materials: MaterialTable, grid_mm: float, shift: float = 0.0) -> Record:
+def run_tester(tester: KesTester, sheet: KesSheet, materials: MaterialTable, grid_mm: float, shift: float = 0.0) -> Record:
     """One test of the fabric in row 0 of `materials`; Fm and the window of G are those of the sheet. shift: of the lattice, in spacings."""
     angle = ANGLES[tester.way]
     origin = (shift * grid_mm, shift * grid_mm) if shift else None
@@ -46,8 +46,12 @@ def run_tester(tester: Tester, sheet: KesSheet, materials: MaterialTable, grid_m
         branches = shear = shear_test(materials, angle, grid_mm, origin)
         printed = printed_shear(shear, sheet.shear_window_deg)
     else:
-        branches = bending = bending_test(materials, angle, grid_mm, shift)
+        # Off the grain the lattice resolves curvatures at which internal friction still holds: what the tester prints there is B of the elastic fabric.
+        off_grain = tester.way == "bias"
+        branches = bending = bending_test(without_friction(materials) if off_grain else materials, angle, grid_mm, shift)
         printed = printed_bending(bending)
+        if off_grain:
+            del printed["2HB"]
     return Record(branches, {f"{name}.{tester.way}": value for name, value in printed.items()})
 
 

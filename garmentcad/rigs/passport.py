@@ -14,7 +14,7 @@ from garmentcad.fabric.missing import measured_fraction
 from garmentcad.fabric.sheet import KesSheet, is_calibrated, sheet_sha256
 from garmentcad.rigs.calibrate import GRID_MM, corrections_percent
 from garmentcad.rigs.cusick import GEOMETRIES, LAYS, USUAL, Drape, drape_test
-from garmentcad.rigs.kes import TESTERS, Record, Tester, run_tester, sheet_materials
+from garmentcad.rigs.kes import TESTERS, KesTester, Record, run_tester, sheet_materials
 
 SCHEMA = 1
 
@@ -25,7 +25,7 @@ class Passport:
 
     sheet: KesSheet
     figures: dict[str, Any]
-    records: dict[Tester, Record]
+    records: dict[KesTester, Record]
     drapes: list[Drape]
 
     @property
@@ -38,7 +38,7 @@ def make_passport(sheet: KesSheet, grid_mm: float, lays: int = LAYS, geometry: s
     """Run all testers on a completed sheet. lays: on the drapemeter; 0 leaves it out. say: told of each test."""
     began = time.perf_counter()
     materials = sheet_materials(sheet)
-    records: dict[Tester, Record] = {}
+    records: dict[KesTester, Record] = {}
     for tester in TESTERS:
         say(tester.name)
         records[tester] = run_tester(tester, sheet, materials, grid_mm)
@@ -63,7 +63,7 @@ def make_passport(sheet: KesSheet, grid_mm: float, lays: int = LAYS, geometry: s
     return Passport(sheet, figures, records, drapes)
 
 
-def _compared(sheet: KesSheet, records: dict[Tester, Record]) -> dict[str, dict[str, float | None]]:
+def _compared(sheet: KesSheet, records: dict[KesTester, Record]) -> dict[str, dict[str, float | None]]:
     rows: dict[str, dict[str, float | None]] = {}
     for record in records.values():
         for key, simulated in record.printed.items():

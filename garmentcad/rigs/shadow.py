@@ -7,12 +7,11 @@ from typing import NamedTuple
 
 import numpy as np
 import shapely
-from scipy.signal import find_peaks
 
+from garmentcad.analysis.hem_shape import node_count
 from garmentcad.units import M_TO_MM, MM_TO_M
 
 DIRECTIONS = 720  # in which the rim is looked at
-PROMINENCE_MM = 3.0
 
 
 class Shadow(NamedTuple):
@@ -33,7 +32,7 @@ def cast_shadow(positions: np.ndarray, triangles: np.ndarray) -> Shadow:
     largest = parts[np.argmax(shapely.area(parts))]
     rings = [shapely.get_coordinates(ring) for ring in shapely.get_rings(largest)]
     rim = _rim(rings[0])
-    return Shadow([M_TO_MM * ring for ring in rings], float(shapely.area(parts).sum()), M_TO_MM * rim, count_nodes(M_TO_MM * rim))
+    return Shadow([M_TO_MM * ring for ring in rings], float(shapely.area(parts).sum()), M_TO_MM * rim, node_count(rim))
 
 
 def _rim(ring: np.ndarray) -> np.ndarray:
@@ -46,13 +45,6 @@ def _rim(ring: np.ndarray) -> np.ndarray:
     rim = np.zeros(DIRECTIONS)
     np.maximum.at(rim, ray, np.linalg.norm(points, axis=1))
     return rim
-
-
-def count_nodes(rim_mm: np.ndarray) -> int:
-    """Maxima of a closed rim that stand out by PROMINENCE_MM."""
-    start = int(np.argmin(rim_mm))
-    around = np.concatenate([np.roll(rim_mm, -start), rim_mm[start : start + 1]])
-    return len(find_peaks(around, prominence=PROMINENCE_MM)[0])
 
 
 def drape_coefficient(area_m2: float, disc_mm: float, specimen_mm: float) -> float:

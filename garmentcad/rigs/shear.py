@@ -18,7 +18,7 @@ from garmentcad.units import GF_CM_TO_N_M, MM_TO_M
 
 WIDTH_MM, GAUGE_MM = 200.0, 50.0
 TENSION_GF_CM = 10.0
-LARGEST_DEG, STEP_DEG = 8.0, 0.25
+LARGEST_DEG, STEP_DEG = 8.0, 0.5
 
 
 def shear_test(materials: MaterialTable, angle_deg: float, grid_mm: float, origin_mm: tuple[float, float] | None = None) -> Loop:

@@ -8,13 +8,13 @@ import numpy as np
 
 from garmentcad.fabric.law_tension import solve_exponent
 from garmentcad.fabric.sheet import KesSheet
-from garmentcad.rigs.kes import Tester
+from garmentcad.rigs.kes import KesTester
 from garmentcad.rigs.loop import Branch
 
 _POINTS = 101
 
 
-def sheet_curves(sheet: KesSheet, tester: Tester, largest: float) -> tuple[Branch, ...]:
+def sheet_curves(sheet: KesSheet, tester: KesTester, largest: float) -> tuple[Branch, ...]:
     """Ways out and back of a completed sheet up to the deformation `largest`, friction fully drawn on each."""
     if tester.kind == "tension":
         emt, force = sheet.number(f"EMT.{tester.way}"), sheet.number("Fm")
@@ -28,6 +28,6 @@ def sheet_curves(sheet: KesSheet, tester: Tester, largest: float) -> tuple[Branc
         half = 0.5 * np.interp(np.abs(across), [0.5, 5.0], [narrow, wide])
         elastic = (sheet.number(f"G.{tester.way}") - (wide - narrow) / 9.0) * across
     else:
-        half = np.full_like(across, 0.5 * sheet.number(f"2HB.{tester.way}"))
+        half = np.full_like(across, 0.0 if tester.way == "bias" else 0.5 * sheet.number(f"2HB.{tester.way}"))  # the bias is tested without friction
         elastic = sheet.number(f"B.{tester.way}") * across
     return Branch(across, elastic + half), Branch(across, elastic - half)
