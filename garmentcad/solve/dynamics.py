@@ -27,6 +27,8 @@ STEPS_PER_ESTIMATE = 96
 # Way, in lattice spacings, that no particle has exceeded since the last look at the stiffness: strains are what they were. Where motion is steady, folds roll
 # on with the strains that they had.
 _STILL, _STILL_STEADY = 5e-3, 2e-2
+# Steady motion whose time step has changed by less than this is looked at half as often, at most so many steps apart.
+_SAME, _LONGEST_WAIT = 0.02, 8.0 * STEPS_PER_ESTIMATE
 # No particle of a garment moves faster on purpose; a faster one is a sign of a diverging run.
 RUNAWAY_M_S = 30.0
 
@@ -107,16 +109,27 @@ class Dynamics:
         key = np.array([self.equalise, self.steady, self.step_factor, self.softness], dtype=np.float64)
         home = state.contact.get("stiff_home")
         known = home is not None and np.array_equal(key, state.contact["stiff_key"])
-        if home is None or not known or farthest(state.positions, home) > (_STILL_STEADY if self.steady else _STILL) * self.cloth.spacing:
+        fresh = home is None or not known or self._moved_on(state, home)
+        if fresh:
             home = state.positions.copy()
             state.contact |= {"stiff_home": home, "stiff_key": key}
         elif home is self._estimated_at:
             return
-        began = time.perf_counter()
+        began, before = time.perf_counter(), state.time_step_s
         self._estimated_at = home
         self.forces.stiffness(home, self._stiffness)
         self._choose_step(state, self.equalise, self.steady)
+        if fresh:
+            same = known and abs(state.time_step_s - before) < _SAME * before
+            wait = min(2.0 * float(state.contact["stiff_wait"][0]), _LONGEST_WAIT) if same else float(STEPS_PER_ESTIMATE)
+            state.contact["stiff_wait"] = np.array([wait, state.step + wait])
         self.seconds["stiffness"] += time.perf_counter() - began
+
+    def _moved_on(self, state: State, home: np.ndarray) -> bool:
+        """Whether the tangents at `home` may be others than those of now."""
+        if self.steady and state.step < state.contact["stiff_wait"][1]:
+            return False
+        return bool(farthest(state.positions, home) > (_STILL_STEADY if self.steady else _STILL) * self.cloth.spacing)
 
     def _choose_step(self, state: State, equalise: bool, steady: bool) -> None:
         free = ~self.fixed
