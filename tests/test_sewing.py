@@ -4,14 +4,23 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from test_lattice import two_panels
+from drawn import pattern, rectangle
+from test_dynamics import linear_fabric
+from test_lattice import one_material, two_panels
 
+from garmentcad.cloth.lattice import build_cloth
 from garmentcad.cloth.state import State
 from garmentcad.cloth.weld import weld
+from garmentcad.contact.contact import Contact
 from garmentcad.errors import TangledError
+from garmentcad.forces.assembly import ForceAssembly
+from garmentcad.forces.internal import internal_forces
 from garmentcad.io.mannequin_file import read_mannequin
-from garmentcad.simulation.sewing import Welding, weld_state
+from garmentcad.pattern.pattern import EdgeUse, Seam
+from garmentcad.simulation.sewing import Welding, close_seams, weld_state
 from garmentcad.simulation.start import refuse_tangled
+from garmentcad.solve.dynamics import Dynamics
+from garmentcad.solve.strain_limit import strain_limit
 
 
 def test_weld_keeps_mass_center_and_momentum() -> None:
@@ -54,3 +63,29 @@ def test_a_seam_that_did_not_close_is_said_and_survives_a_checkpoint() -> None:
     assert welding.conflicting == ["waist"]
     assert Welding.of_run({"phase_from_s": 1.0} | welding.as_run()) == welding
     assert Welding.of_run({}) == Welding()
+
+
+class Crease(Dynamics):
+    """Turns back every stretch of steps that closes less than 3 mm: so do the walls of a crease to what the cloth presses into them."""
+
+    def advance(self, state: State, steps: int) -> None:
+        assert self.constraint is not None
+        before, gap = state.positions.copy(), np.linalg.norm(self.constraint.gaps(state.positions), axis=1).max()
+        super().advance(state, steps)
+        left = np.linalg.norm(self.constraint.gaps(state.positions), axis=1).max()
+        if left > 1e-4 and gap - left < 3e-3:
+            state.positions[:] = before
+
+
+def test_a_seam_that_is_turned_back_is_pulled_faster_and_faster_until_it_closes() -> None:
+    materials = linear_fabric()
+    seam = Seam("side", (EdgeUse("front", 1, False),), (EdgeUse("back", 3, True),))
+    cloth = build_cloth(pattern(rectangle(60, 60), rectangle(60, 60, name="back"), seams=(seam,)), one_material, materials, 20.0)
+    apart = np.column_stack([70.0 * cloth.vertex_panel, np.zeros(cloth.particle_count)])  # edges that meet are 10 mm apart
+    positions = np.column_stack([cloth.vertex_uv_mm + apart, np.zeros(cloth.particle_count)]) * 1e-3
+    forces = ForceAssembly(internal_forces(cloth, materials), cloth.particle_count, [])
+    dynamics = Crease(cloth, forces, strain_limit(cloth, materials), Contact(cloth, materials))
+    state = State(positions, np.zeros_like(positions), phase="close")
+    dynamics.start(state)
+    assert close_seams(dynamics, state, lambda progress: None).open_seams == []
+    assert 0.6 < state.time_s < 1.5

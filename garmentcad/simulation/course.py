@@ -18,7 +18,9 @@ from garmentcad.units import GRAVITY_M_S2
 STEPS_PER_LOOK = 2 * STEPS_PER_ESTIMATE  # a phase begins with a fresh time step
 CLOSED_M = 0.1e-3  # seams are welded below this gap
 CLOSING_RATE = 14.0  # 1/s, of the dynamic constraints
-CLOSING_LEAST_M_S = 0.05
+# The floor of the closing speed. A row demands its speed both ways, so that it also holds back what would close faster: two ends in a crease of the body, where
+# its walls turn the pull of the cloth aside, then stand still with all the force that closes them taken up. After a while the floor doubles with every tenth.
+CLOSING_LEAST_M_S, CLOSING_LATE_S, CLOSING_DOUBLES_S = 0.05, 0.6, 0.1
 CLOSING_PULL_N_M = 100.0  # per length of seam, at most: a fifth of what the tensile tester pulls
 CLOSING_DRAG = 12.0  # 1/s
 CLOSING_CAP_S = 4.0

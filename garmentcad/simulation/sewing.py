@@ -13,7 +13,9 @@ from garmentcad.constraints.points import ConstraintPoints, stitch_rows
 from garmentcad.simulation.course import (
     CLOSED_M,
     CLOSING_CAP_S,
+    CLOSING_DOUBLES_S,
     CLOSING_DRAG,
+    CLOSING_LATE_S,
     CLOSING_LEAST_M_S,
     CLOSING_PULL_N_M,
     CLOSING_RATE,
@@ -76,12 +78,18 @@ def close_seams(dynamics: Dynamics, state: State, look: Callable[[Progress], Non
         look(Progress(state.phase, state.step, state.time_s, float(gaps.max(initial=0.0)) * 1e3, None, dynamics.measures(state)[2], None))
         if gaps.max(initial=0.0) < CLOSED_M or state.time_s >= CLOSING_CAP_S:
             break
+        dynamics.constraint.least_speed = least_closing_speed(state.time_s)
         advance_or_retreat(dynamics, state)
     worst: dict[str, float] = {}
     for name, gap in zip(names, gaps, strict=True):
         worst[name] = max(worst.get(name, 0.0), float(gap) * 1e3)
     speeds = np.linalg.norm(dynamics.constraint.speeds(state.velocities), axis=1)
     return Welding(worst, float(speeds.max(initial=0.0)), dynamics.constraint.redundant)
+
+
+def least_closing_speed(time_s: float) -> float:
+    """Floor of the closing speed, m/s, after `time_s` of sewing."""
+    return float(min(CLOSING_LEAST_M_S * 2.0 ** max(0.0, (time_s - CLOSING_LATE_S) / CLOSING_DOUBLES_S), SPEED_CAP_M_S))
 
 
 def weld_state(cloth: Cloth, welded: Cloth, particle_map: np.ndarray, state: State) -> State:
