@@ -117,6 +117,7 @@ class Dynamics:
             return
         began, before = time.perf_counter(), state.time_step_s
         self._estimated_at = home
+        assert home is not None
         self.forces.stiffness(home, self._stiffness)
         self._choose_step(state, self.equalise, self.steady)
         if fresh:
