@@ -103,3 +103,40 @@ def test_a_checkpoint_of_another_run_is_refused(draped: tuple[Path, dict], tmp_p
     run = subprocess.run(command(tmp_path, "--resume", "--seed", "5"), capture_output=True, text=True, timeout=120, check=False)
     assert run.returncode == 2
     assert "seed: 0 there, 5 here" in run.stderr
+
+
+def test_the_garment_follows_a_movement(draped: tuple[Path, dict], tmp_path: Path) -> None:  # type: ignore[type-arg]
+    """Arms go down by nine degrees: sleeves go along, and no frame has an intersection or a penetration, says who is not the solver."""
+    folder, report = draped
+    pose = tmp_path / "down.yaml"
+    pose.write_text("schema: 1\nframes:\n  - {time: 0.3, arms: 36}\n", encoding="utf-8")
+    # A checkpoint of a garment at rest: the drape is over, the movement begins.
+    (tmp_path / "checkpoint.npz").write_bytes((folder / "state.npz").read_bytes())
+    moved = report_of(tmp_path, "--resume", "--pose", str(pose))
+    assert moved["state_sha256"] == report["state_sha256"]
+    assert (moved["movement"]["status"], moved["movement"]["self_intersections"], moved["movement"]["mannequin_penetration_mm"]) == ("moved", 0, 0.0)
+    with np.load(tmp_path / "movement" / "frames.npz") as file:
+        times, frames, bodies = file["times_s"], file["positions"].astype(float), file["body"].astype(float)
+    assert len(times) == len(moved["movement"]["frames"]) == 17  # each 50 ms for 0.3 s and 0.5 s more
+    with np.load(folder / "cloth.npz") as file:
+        triangles = file["vertex_particle"][file["triangles"]]
+        sleeve = np.unique(file["vertex_particle"][file["vertex_panel"] == list(file["panel_names"]).index("sleeve_left")])
+    faces = trimesh.load(folder / "mannequin.obj", process=False, maintain_order=True).faces
+    for positions, body in zip(frames, bodies):
+        both = np.vstack([positions, body])
+        all_faces = np.vstack([triangles, faces + len(positions)]).astype(np.int32)
+        assert not ipctk.has_intersections(ipctk.CollisionMesh(both, ipctk.edges(all_faces), all_faces), both)
+        assert igl.signed_distance(np.vstack([positions, positions[triangles].mean(axis=1)]), body, np.asarray(faces))[0].min() > 0.0
+    hand = np.argmax(bodies[0][:, 0])
+    assert bodies[0][hand, 1] - bodies[-1][hand, 1] > 0.04  # by sin 45 - sin 36 degrees of an arm
+    # The sleeve goes inward with the arm, and the rest of the shirt stays.
+    inward = frames[0][:, 0] - frames[-1][:, 0]
+    assert inward[sleeve].mean() > 0.003
+    assert abs(inward[np.setdiff1d(np.arange(len(inward)), sleeve)].mean()) < 0.002
+
+
+def test_a_pose_that_is_no_pose_is_refused_at_once(tmp_path: Path) -> None:
+    run = subprocess.run(command(tmp_path, "--pose", "sqat"), capture_output=True, text=True, timeout=120, check=False)
+    assert run.returncode == 2
+    assert "sqat" in run.stderr
+    assert "squat" in run.stderr

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.mannequin.mannequin import Mannequin
@@ -36,6 +37,17 @@ def carried(cloth: Cloth, placed: np.ndarray, positions: np.ndarray, mannequin: 
         if point is not None and (keys := roles.get(ARMHOLE)):
             apart[side] = M_TO_MM * min(_distance(point, positions[cloth.vertex_particle[cloth.edge_vertices[key]]]) for key in keys)
     return Carried(drop, apart)
+
+
+def slip_mm(cloth: Cloth, positions: np.ndarray, body: np.ndarray, roles: Mapping[str, Sequence[str]]) -> np.ndarray | None:
+    """(K,) mm by how far edges with the role `waist` have come down on a body that moves, in the mean over them, since the first of K frames; None without such
+    edges. positions: (K,P,3) m of the particles, body: (K,V,3) m. Each particle is seen against the body vertex that was nearest to it in the first frame."""
+    if not (keys := roles.get(WAIST)):
+        return None
+    waist = np.unique(cloth.vertex_particle[np.concatenate([cloth.edge_vertices[key] for key in keys])])
+    under = cKDTree(body[0]).query(positions[0][waist])[1]
+    above = positions[:, waist, 1] - body[:, under, 1]
+    return np.asarray(M_TO_MM * (above[0] - above).mean(axis=1))
 
 
 def _distance(point: np.ndarray, line: np.ndarray) -> float:

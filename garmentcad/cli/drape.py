@@ -36,6 +36,9 @@ def drape(
     max_time: Annotated[float, typer.Option(help="Most simulated seconds.")] = 12.0,
     mode: Annotated[Mode, typer.Option(help="drape: the shape at rest; dynamics: true masses and light damping.")] = Mode.drape,
     solver: Annotated[Solver, typer.Option(help="How the drape is solved.")] = Solver.steps,
+    pose: Annotated[
+        str | None, typer.Option(help="Key frames (a shipped name or a YAML file) that the mannequin goes through once the garment is at rest.")
+    ] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on from the checkpoint in the result folder.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the report as one JSON object and nothing else.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress line.")] = False,
@@ -53,7 +56,7 @@ def drape(
     if threads is not None:
         numba.set_num_threads(threads)
     with event.install_recorder("numba:compile") as compiled:
-        job = make_job(spec, fabric, mannequin, grid_mm=grid, seed=seed, mode=mode.value, max_time_s=max_time)
+        job = make_job(spec, fabric, mannequin, grid_mm=grid, seed=seed, mode=mode.value, max_time_s=max_time, pose=pose)
         folder = out if out is not None else Path("out") / job.pattern.name
         line = ProgressLine(quiet or as_json)
         result, written = finish(job, line.show, folder, resume)
@@ -62,7 +65,8 @@ def drape(
         print(json.dumps(result.report, allow_nan=False))
     else:
         _print_result(result.report, written, compile_seconds(compiled.buffer), time.perf_counter() - began)
-    raise typer.Exit(0 if result.report["status"] == "converged" else 3)
+    moved = result.report.get("movement", {"status": "moved"})["status"] == "moved"
+    raise typer.Exit(0 if result.report["status"] == "converged" and moved else 3)
 
 
 def allow_threads(threads: int) -> None:

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+from garmentcad.export.movement import movement_report, write_movement
 from garmentcad.export.report import build_report
 from garmentcad.export.result_folder import Result, WrittenFolder, write_result_folder
 from garmentcad.pattern.spec import GarmentSpec
 from garmentcad.simulation.course import Progress
 from garmentcad.simulation.job import Job, Mode, make_job
+from garmentcad.simulation.movement import move
 from garmentcad.simulation.record import record
 from garmentcad.simulation.run import run
 
@@ -25,24 +27,40 @@ def drape(
     seed: int = 0,
     mode: Mode = "drape",
     max_time_s: float = 12.0,
+    pose: str | None = None,
     folder: str | Path | None = None,
 ) -> Result:
     """Drape a garment and return its report, cloth, state and maps; with `folder`, write the result folder too.
 
-    spec: shipped name, file or model; fabric, mannequin: shipped name or file, in place of the spec's own. Raises InputError for what is refused.
+    spec: shipped name, file or model; fabric, mannequin: shipped name or file, in place of the spec's own; pose: key frames (shipped name or file) that the
+    body goes through once the garment hangs at rest. Raises InputError for what is refused.
     """
-    job = make_job(spec, fabric, mannequin, grid_mm=grid_mm, seed=seed, mode=mode, max_time_s=max_time_s)
+    job = make_job(spec, fabric, mannequin, grid_mm=grid_mm, seed=seed, mode=mode, max_time_s=max_time_s, pose=pose)
     return finish(job, lambda progress: None, None if folder is None else Path(folder))[0]
 
 
 def finish(job: Job, look: Callable[[Progress], None], folder: Path | None, resume: bool = False) -> tuple[Result, WrittenFolder | None]:
-    """Run a job to its end and write what comes out. The checkpoint in `folder` is kept while the run lasts and removed when the folder is whole."""
+    """Run a job to its end, and through its movement where it came to rest, and write what comes out.
+
+    The checkpoint in `folder` is kept while the run lasts and removed when the folder is whole. A movement that was broken off begins anew.
+    """
     checkpoint = None if folder is None else folder / CHECKPOINT
     outcome = run(job, look, checkpoint, resume)
     made, measures = record(outcome)
-    result = Result(build_report(made, measures), outcome.cloth, outcome.state, measures.maps, job.mannequin)
+    report = build_report(made, measures)
+    files: list[Path] = []
+    notes: list[str] = []
+    if job.poses and made.status == "converged":
+        movement = move(outcome, job.poses, look)
+        report["movement"] = movement_report(movement, outcome.cloth, job.mannequin, job.pattern)
+        if folder is not None:
+            files, notes = write_movement(folder / "movement", movement, outcome.cloth, job.mannequin)
+    elif job.poses:
+        report["warnings"].append(f"the garment did not come to rest clean ({made.status}): the movement was left out")
+    result = Result(report, outcome.cloth, outcome.state, measures.maps, job.mannequin)
     if folder is None or checkpoint is None:
         return result, None
     written = write_result_folder(folder, result, job.identity)
+    written = WrittenFolder(written.folder, (*files, *written.files), (*notes, *written.notes))
     checkpoint.unlink(missing_ok=True)
     return result, written

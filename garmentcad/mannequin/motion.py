@@ -7,6 +7,7 @@ itself (`gap.py`).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import NamedTuple
 
@@ -78,7 +79,7 @@ def posed(body: Mannequin, pose: Pose) -> np.ndarray:
     return points + np.array([0.0, 0.0, MM_TO_M * pose.ahead_mm])
 
 
-def motion(body: Mannequin, frames: list[KeyFrame]) -> tuple[np.ndarray, np.ndarray]:
+def motion(body: Mannequin, frames: Sequence[KeyFrame]) -> tuple[np.ndarray, np.ndarray]:
     """times (K,) s and vertices (K,V,3) m of the way from the body's own pose through key frames; angles go gently from one to the next and rest in each.
 
     MannequinError, with the time, where parts would come nearer to each other than 8 mm, or the frames are not in order.

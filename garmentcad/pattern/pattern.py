@@ -153,3 +153,14 @@ def named_fabrics(pattern: Pattern) -> dict[str, str]:
             if name is not None:
                 named.setdefault(name, place)
     return named
+
+
+def edge_roles(pattern: Pattern) -> dict[str, list[str]]:
+    """Keys PANEL.EDGE of the edges of each role; an edge that darts cut into pieces counts once."""
+    roles: dict[str, list[str]] = {}
+    for panel in pattern.panels.values():
+        for edge in panel.edges:
+            key = f"{panel.name}.{edge.name}"
+            if edge.role is not None and key not in roles.setdefault(edge.role, []):
+                roles[edge.role].append(key)
+    return roles

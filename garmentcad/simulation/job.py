@@ -14,9 +14,11 @@ from garmentcad.fabric.missing import Completed
 from garmentcad.fabric.sheet import sheet_sha256
 from garmentcad.io.fabric_file import fabric_path, load_fabric
 from garmentcad.io.mannequin_file import read_mannequin
+from garmentcad.io.pose_file import read_poses
 from garmentcad.io.shipped import resolve_reference
 from garmentcad.io.spec_file import read_spec, spec_folder, spec_path
 from garmentcad.mannequin.mannequin import Mannequin
+from garmentcad.mannequin.motion import KeyFrame, motion
 from garmentcad.pattern.draft import draft
 from garmentcad.pattern.pattern import Pattern, named_fabrics
 from garmentcad.pattern.spec import GarmentSpec
@@ -38,6 +40,7 @@ class Job:
     mode: Mode = "drape"
     max_time_s: float = 12.0
     folder: Path = field(default_factory=Path)  # of the spec, for references
+    poses: tuple[KeyFrame, ...] = ()  # that the body goes through once the garment hangs at rest
 
     @property
     def spec_sha256(self) -> str:
@@ -65,9 +68,10 @@ def make_job(
     seed: int = 0,
     mode: Mode = "drape",
     max_time_s: float = 12.0,
+    pose: str | None = None,
 ) -> Job:
-    """Read everything that a drape needs. spec: a shipped name, a file, or a model; fabric, mannequin: a shipped name or a file, in place of the spec's own.
-    InputError for anything that is refused."""
+    """Read everything that a drape needs. spec: a shipped name, a file, or a model; fabric, mannequin: a shipped name or a file, in place of the spec's own;
+    pose: key frames, a shipped name or a file. InputError for anything that is refused."""
     if not GRID_MM[0] <= grid_mm <= GRID_MM[1]:
         raise InputError(f"grid of {grid_mm:g} mm; {GRID_MM[0]:g} to {GRID_MM[1]:g} mm is allowed", key="--grid")
     if not 0.0 < max_time_s <= 600.0:
@@ -77,7 +81,10 @@ def make_job(
     model = spec if isinstance(spec, GarmentSpec) else read_spec(spec_path(spec))
     folder = spec_folder(model)
     body = read_mannequin(mannequin if mannequin is not None else resolve_reference(model.mannequin, "mannequins", folder))
+    poses = () if pose is None else tuple(read_poses(pose))
+    if poses:
+        motion(body, poses)  # refuses what the body cannot do, before anything is draped
     pattern = draft(model, body.measurements_mm)
     fabrics = {name: load_fabric(resolve_reference(name, "fabrics", folder)) for name in sorted(named_fabrics(pattern))}
     fabrics[pattern.fabric] = load_fabric(fabric_path(fabric)) if fabric is not None else load_fabric(resolve_reference(pattern.fabric, "fabrics", folder))
-    return Job(model, pattern, fabrics, body, float(grid_mm), seed, mode, max_time_s, folder)
+    return Job(model, pattern, fabrics, body, float(grid_mm), seed, mode, max_time_s, folder, poses)

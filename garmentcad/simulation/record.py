@@ -19,6 +19,7 @@ from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
 from garmentcad.geometry.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
+from garmentcad.pattern.pattern import edge_roles
 from garmentcad.placement.place import place_vertices
 from garmentcad.simulation.run import Outcome
 from garmentcad.solve.rest import patches, residual
@@ -83,12 +84,7 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
         uncalibrated=not all(is_calibrated(completed.sheet) for completed in job.fabrics.values()),
         warnings=(*outcome.warnings, *findings),
     )
-    roles: dict[str, list[str]] = {}
-    for panel in job.pattern.panels.values():
-        for edge in panel.edges:
-            key = f"{panel.name}.{edge.name}"  # once, where darts cut it into pieces
-            if edge.role is not None and key not in roles.setdefault(edge.role, []):
-                roles[edge.role].append(key)
+    roles = edge_roles(job.pattern)
     if finite:
         seams = _seams(outcome)
     folds = {f"{panel.name}.{fold.name}": fold.points_mm for panel in job.pattern.panels.values() for fold in panel.folds}

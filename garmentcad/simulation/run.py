@@ -20,6 +20,7 @@ from garmentcad.cloth.lattice import build_cloth
 from garmentcad.cloth.state import State
 from garmentcad.cloth.weld import weld
 from garmentcad.contact.contact import Contact
+from garmentcad.contact.path import BodyPath
 from garmentcad.errors import GarmentError, LimitError
 from garmentcad.fabric.material import MaterialTable, softened, without_friction
 from garmentcad.forces.assembly import ForceAssembly
@@ -151,7 +152,7 @@ class _Run:
                 failed = self._press(flat, cloth)
                 if failed is not None:
                     return failed
-            dynamics, forces_at = _dynamics(self.job, cloth, self.materials, self.state.fold_angles)
+            dynamics, forces_at = make_dynamics(self.job, cloth, self.materials, self.state.fold_angles)
             if before is not None:
                 self.state = _refined_state(before, self.state, (cloth, dynamics.forces), level, self.job.mannequin)
             if not self.state.contact:
@@ -178,7 +179,7 @@ class _Run:
 
     def _sew(self, flat: Cloth, welded: Cloth, particle_map: np.ndarray) -> Outcome | None:
         """Close and weld the seams; an outcome only where that failed."""
-        dynamics, _ = _dynamics(self.job, flat, self._for_sewing(), np.zeros(len(flat.fold_names)), dressing=True)
+        dynamics, _ = make_dynamics(self.job, flat, self._for_sewing(), np.zeros(len(flat.fold_names)), dressing=True)
         if self.state is None:
             self.state = _placed_state(self.job, flat, self.warnings)
             if flat.spacing == MM_TO_M * self.job.grid_mm:
@@ -206,7 +207,7 @@ class _Run:
         """Lay the folds and set them; an outcome only where that failed."""
         assert self.state is not None
         iron = under_iron(cloth)
-        dynamics, _ = _dynamics(self.job, iron, without_friction(self.materials), imposed_angles(self.job), dressing=True)
+        dynamics, _ = make_dynamics(self.job, iron, without_friction(self.materials), imposed_angles(self.job), dressing=True)
         if not self.state.contact:
             dynamics.start(self.state)
         self._begin(dynamics)
@@ -253,10 +254,11 @@ def _refined_state(before: tuple[Cloth, ForceAssembly], state: State, after: tup
     return made
 
 
-def _dynamics(
-    job: Job, cloth: Cloth, materials: MaterialTable, fold_angles: np.ndarray, dressing: bool = False
+def make_dynamics(
+    job: Job, cloth: Cloth, materials: MaterialTable, fold_angles: np.ndarray, dressing: bool = False, path: BodyPath | None = None
 ) -> tuple[Dynamics, Callable[[float], ForceAssembly]]:
-    """The stepper, and its forces at a softness. While sewing and pressing there is neither weight nor friction: cloth slides to where seams close."""
+    """The stepper, and its forces at a softness. dressing: while seams are sewn and folds pressed there is neither weight nor friction, so that cloth slides to
+    where seams close. path: of a body that moves."""
     weight = [] if dressing else [ForceGravity(cloth.masses)]
 
     def forces_at(softness: float) -> ForceAssembly:
@@ -265,7 +267,7 @@ def _dynamics(
     touch = materials
     if dressing:
         touch = materials._replace(friction_body=0.0 * materials.friction_body, friction_cloth=0.0 * materials.friction_cloth)
-    contact = Contact(cloth, touch, (job.mannequin.vertices, job.mannequin.faces))
+    contact = Contact(cloth, touch, (job.mannequin.vertices, job.mannequin.faces), path=path)
     forces = forces_at(SOFTNESS if dressing and job.mode == "drape" else 1.0)
     return Dynamics(cloth, forces, strain_limit(cloth, materials), contact), forces_at
 
