@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
@@ -50,6 +51,13 @@ def weld(cloth: Cloth) -> tuple[Cloth, np.ndarray]:
         stitch_seam=frozen(cloth.stitch_seam[:0]),
     )
     return welded, particle
+
+
+def weld_seams(cloth: Cloth, names: Collection[str]) -> tuple[Cloth, np.ndarray]:
+    """As `weld`, but only the seams called `names`; the others stay to be sewn."""
+    mine = np.isin(cloth.stitch_seam, [k for k, name in enumerate(cloth.seam_names) if name in names])
+    welded, particle = weld(replace(cloth, stitches=cloth.stitches[mine], stitch_seam=cloth.stitch_seam[mine]))
+    return replace(welded, stitches=frozen(indices(particle[cloth.stitches[~mine]])), stitch_seam=frozen(indices(cloth.stitch_seam[~mine]))), particle
 
 
 def _refuse_collapse(cloth: Cloth, particle: np.ndarray) -> None:

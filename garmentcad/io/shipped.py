@@ -8,7 +8,7 @@ from typing import Literal
 
 from garmentcad.errors import FileError, did_you_mean
 
-Kind = Literal["patterns", "fabrics", "mannequins", "poses"]
+Kind = Literal["patterns", "fabrics", "mannequins", "poses", "outfits"]
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}")
 _PACKAGE = Path(__file__).resolve().parents[1]

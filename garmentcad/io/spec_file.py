@@ -12,6 +12,7 @@ from garmentcad.io.atomic import write_atomic
 from garmentcad.io.garmentcode_import import import_garmentcode
 from garmentcad.io.shipped import shipped_file
 from garmentcad.io.yaml_file import plain_scalar, read_yaml
+from garmentcad.pattern.outfit import OutfitSpec
 from garmentcad.pattern.parse import parse_spec, shown
 from garmentcad.pattern.spec import GarmentSpec
 
@@ -23,7 +24,7 @@ def spec_path(name_or_file: str | Path) -> Path:
     return shipped_file("patterns", name_or_file) if isinstance(name_or_file, str) and not name_or_file.endswith(SPEC_ENDINGS) else Path(name_or_file)
 
 
-def spec_folder(spec: GarmentSpec) -> Path:
+def spec_folder(spec: GarmentSpec | OutfitSpec) -> Path:
     """Folder of the file that a spec was read from, for what it refers to; the working folder where there is none."""
     return Path() if spec.file is None else Path(spec.file).parent
 

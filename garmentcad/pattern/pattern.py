@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -153,6 +153,18 @@ def named_fabrics(pattern: Pattern) -> dict[str, str]:
             if name is not None:
                 named.setdefault(name, place)
     return named
+
+
+def with_fabrics(pattern: Pattern, names: dict[str, str]) -> Pattern:
+    """The pattern with every fabric and interfacing under another name."""
+    panels = {}
+    for panel in pattern.panels.values():
+        regions = tuple(
+            replace(region, fabric=region.fabric and names[region.fabric], interfacing=region.interfacing and names[region.interfacing])
+            for region in panel.regions
+        )
+        panels[panel.name] = replace(panel, fabric=panel.fabric and names[panel.fabric], regions=regions)
+    return replace(pattern, panels=panels, fabric=names[pattern.fabric])
 
 
 def edge_roles(pattern: Pattern) -> dict[str, list[str]]:

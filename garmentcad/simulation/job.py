@@ -14,13 +14,15 @@ from garmentcad.fabric.missing import Completed
 from garmentcad.fabric.sheet import sheet_sha256
 from garmentcad.io.fabric_file import fabric_path, load_fabric
 from garmentcad.io.mannequin_file import read_mannequin
+from garmentcad.io.outfit_file import read_worn
 from garmentcad.io.pose_file import read_poses
 from garmentcad.io.shipped import resolve_reference
-from garmentcad.io.spec_file import read_spec, spec_folder, spec_path
+from garmentcad.io.spec_file import spec_folder
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.mannequin.motion import KeyFrame, motion
 from garmentcad.pattern.draft import draft
-from garmentcad.pattern.pattern import Pattern, named_fabrics
+from garmentcad.pattern.outfit import OutfitSpec, put_on
+from garmentcad.pattern.pattern import Pattern, named_fabrics, with_fabrics
 from garmentcad.pattern.spec import GarmentSpec
 
 Mode = Literal["drape", "dynamics"]
@@ -29,9 +31,10 @@ GRID_MM = (2.0, 50.0)
 
 @dataclass(frozen=True)
 class Job:
-    """One drape to do. fabrics: completed sheets by the name under which pattern and regions refer to them; the pattern's own default is among them."""
+    """One drape to do. fabrics: completed sheets by the name under which pattern and regions refer to them; the pattern's own default is among them.
+    spec: of the garment, or of an outfit, whose garments are `worn`, inner to outer."""
 
-    spec: GarmentSpec
+    spec: GarmentSpec | OutfitSpec
     pattern: Pattern
     fabrics: dict[str, Completed]
     mannequin: Mannequin
@@ -40,13 +43,15 @@ class Job:
     mode: Mode = "drape"
     max_time_s: float = 12.0
     folder: Path = field(default_factory=Path)  # of the spec, for references
+    worn: tuple[GarmentSpec, ...] = ()
     poses: tuple[KeyFrame, ...] = ()  # that the body goes through once the garment hangs at rest
 
     @property
     def spec_sha256(self) -> str:
         """Hash of the spec as plain data (comments and layout of the file do not count, nor do its tests: they change no drape)."""
-        garment = self.spec.model_copy(update={"tests": {}})
-        return hashlib.sha256(json.dumps(garment.model_dump(mode="json"), sort_keys=True).encode()).hexdigest()
+        specs = [self.spec, *self.worn]
+        data = [(spec.model_copy(update={"tests": {}}) if isinstance(spec, GarmentSpec) else spec).model_dump(mode="json") for spec in specs]
+        return hashlib.sha256(json.dumps(data if self.worn else data[0], sort_keys=True).encode()).hexdigest()
 
     @property
     def identity(self) -> dict[str, str]:
@@ -78,13 +83,37 @@ def make_job(
         raise InputError(f"{max_time_s:g} simulated seconds; more than 0 and at most 600 are allowed", key="--max-time")
     if seed < 0:
         raise InputError(f"seed {seed}; 0 or a positive number is allowed", key="--seed")
-    model = spec if isinstance(spec, GarmentSpec) else read_spec(spec_path(spec))
-    folder = spec_folder(model)
-    body = read_mannequin(mannequin if mannequin is not None else resolve_reference(model.mannequin, "mannequins", folder))
+    model = spec if isinstance(spec, GarmentSpec) else read_worn(spec)
+    if isinstance(model, GarmentSpec):
+        folder = spec_folder(model)
+        body = read_mannequin(mannequin if mannequin is not None else resolve_reference(model.mannequin, "mannequins", folder))
+        pattern = draft(model, body.measurements_mm)
+        fabrics = {name: load_fabric(resolve_reference(name, "fabrics", folder)) for name in sorted(named_fabrics(pattern))}
+        own = fabric_path(fabric) if fabric is not None else resolve_reference(pattern.fabric, "fabrics", folder)
+        fabrics[pattern.fabric] = load_fabric(own)
+        outfit: GarmentSpec | OutfitSpec = model
+        worn: tuple[GarmentSpec, ...] = ()
+    else:
+        if fabric is not None:
+            raise InputError("an outfit has a fabric for each garment; name them in its file", key="--fabric")
+        (outfit, worn), folder = model, spec_folder(model[0])
+        body = read_mannequin(mannequin if mannequin is not None else resolve_reference(outfit.mannequin, "mannequins", folder))
+        pattern, fabrics = _dressed(outfit, worn, body.measurements_mm, folder)
     poses = () if pose is None else tuple(read_poses(pose))
     if poses:
         motion(body, poses)  # refuses what the body cannot do, before anything is draped
-    pattern = draft(model, body.measurements_mm)
-    fabrics = {name: load_fabric(resolve_reference(name, "fabrics", folder)) for name in sorted(named_fabrics(pattern))}
-    fabrics[pattern.fabric] = load_fabric(fabric_path(fabric)) if fabric is not None else load_fabric(resolve_reference(pattern.fabric, "fabrics", folder))
-    return Job(model, pattern, fabrics, body, float(grid_mm), seed, mode, max_time_s, folder, poses)
+    return Job(outfit, pattern, fabrics, body, float(grid_mm), seed, mode, max_time_s, folder, worn, poses)
+
+
+def _dressed(outfit: OutfitSpec, worn: tuple[GarmentSpec, ...], measurements_mm: dict[str, float], folder: Path) -> tuple[Pattern, dict[str, Completed]]:
+    """The pattern of an outfit, and its sheets: a file that a garment names is sought in that garment's folder."""
+    patterns: list[Pattern] = []
+    fabrics: dict[str, Completed] = {}
+    for garment, entry in zip(worn, outfit.garments, strict=True):
+        pattern = draft(garment, measurements_mm, entry.values)
+        places = {name: resolve_reference(name, "fabrics", spec_folder(garment)) for name in (*named_fabrics(pattern), pattern.fabric)}
+        if entry.fabric is not None:
+            places[pattern.fabric] = resolve_reference(entry.fabric, "fabrics", folder)
+        fabrics |= {str(place): load_fabric(place) for place in places.values()}
+        patterns.append(with_fabrics(pattern, {name: str(place) for name, place in places.items()}))
+    return put_on(outfit.name, patterns, outfit.mannequin), fabrics

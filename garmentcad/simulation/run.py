@@ -7,7 +7,7 @@ import signal
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import FrameType
 
@@ -18,7 +18,7 @@ from garmentcad.analysis.clearance import clearing_moves, move_panels
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.lattice import build_cloth
 from garmentcad.cloth.state import State
-from garmentcad.cloth.weld import weld
+from garmentcad.cloth.weld import weld, weld_seams
 from garmentcad.contact.contact import Contact
 from garmentcad.contact.path import BodyPath
 from garmentcad.errors import GarmentError, LimitError
@@ -28,6 +28,7 @@ from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
 from garmentcad.geometry.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
 from garmentcad.mannequin.mannequin import Mannequin
+from garmentcad.pattern.outfit import below
 from garmentcad.pattern.pattern import Panel, Transform
 from garmentcad.placement.place import place_vertices
 from garmentcad.simulation.checkpoint import load_state, save_state
@@ -40,7 +41,7 @@ from garmentcad.simulation.sewing import Welding, close_seams, weld_state
 from garmentcad.simulation.start import refuse_tangled
 from garmentcad.solve.dynamics import DivergedError, Dynamics, IntersectingError
 from garmentcad.solve.strain_limit import strain_limit
-from garmentcad.units import MM_TO_M
+from garmentcad.units import M_TO_MM, MM_TO_M
 
 JITTER_M = 1e-5  # of the start, so that no fold is decided by round-off
 MAX_PARTICLES = 1_000_000
@@ -142,9 +143,12 @@ class _Run:
         before: tuple[Cloth, ForceAssembly] | None = None
         while True:
             flat = build_cloth(self.job.pattern, self._material_of, self.materials, grids[level])
-            cloth, particle_map = weld(flat)
+            # What is worn under the outermost garment of an outfit has been sewn when that is put on.
+            inner = below(self.job.pattern) if len(self.job.worn) > 1 else None
+            start = flat if inner is None else weld_seams(flat, [seam.name for seam in inner.seams])[0]
+            cloth, particle_map = weld(start)
             if self.state is None or self.state.phase == "close":
-                failed = self._sew(flat, cloth, particle_map)
+                failed = self._sew(flat, start, cloth, particle_map)
                 if failed is not None:
                     return failed
             assert self.state is not None
@@ -177,11 +181,11 @@ class _Run:
     def _add_up(self, dynamics: Dynamics) -> None:
         self.seconds = {kind: self.seconds.get(kind, 0.0) + spent for kind, spent in dynamics.seconds.items()}
 
-    def _sew(self, flat: Cloth, welded: Cloth, particle_map: np.ndarray) -> Outcome | None:
-        """Close and weld the seams; an outcome only where that failed."""
-        dynamics, _ = make_dynamics(self.job, flat, self._for_sewing(), np.zeros(len(flat.fold_names)), dressing=True)
+    def _sew(self, flat: Cloth, start: Cloth, welded: Cloth, particle_map: np.ndarray) -> Outcome | None:
+        """Close and weld the seams that are open at the start; an outcome only where that failed."""
+        dynamics, _ = make_dynamics(self.job, start, self._for_sewing(), np.zeros(len(flat.fold_names)), dressing=True)
         if self.state is None:
-            self.state = _placed_state(self.job, flat, self.warnings)
+            self.state = _placed_state(self.job, flat, start, self._worn(flat), self.warnings)
             if flat.spacing == MM_TO_M * self.job.grid_mm:
                 self.state.run[UNREFINED] = 1.0
             dynamics.start(self.state)
@@ -190,12 +194,23 @@ class _Run:
             welding = close_seams(dynamics, self.state, self.keep)
         except (DivergedError, IntersectingError) as error:
             self.warnings.append(str(error))
-            return self._outcome(flat, flat, dynamics, error.status)
+            return self._outcome(flat, start, dynamics, error.status)
         self._add_up(dynamics)
-        self.state = weld_state(flat, welded, particle_map, self.state)
+        self.state = weld_state(start, welded, particle_map, self.state)
         self.state.phase = "press" if flat.fold_names else "fall"
         self.state.run |= {"phase_from_s": self.state.time_s} | welding.as_run()
         return None
+
+    def _worn(self, flat: Cloth) -> dict[str, np.ndarray]:
+        """Where what is worn under the outermost garment of an outfit hangs: panel -> (V,3) m of its vertices. It is draped first, on this lattice."""
+        if len(self.job.worn) < 2:
+            return {}
+        inner = replace(self.job, pattern=below(self.job.pattern), worn=self.job.worn[:-1], grid_mm=M_TO_MM * flat.spacing, poses=())
+        outcome = run(inner, self.keep.watch)
+        self.warnings += outcome.warnings
+        self._add_up(outcome.dynamics)
+        hung = outcome.state.positions[outcome.cloth.vertex_particle]
+        return {name: hung[outcome.cloth.vertex_panel == number] for number, name in enumerate(outcome.cloth.panel_names)}
 
     def _for_sewing(self) -> MaterialTable:
         """The materials while seams close: panels that start flat are stiffer."""
@@ -272,13 +287,18 @@ def make_dynamics(
     return Dynamics(cloth, forces, strain_limit(cloth, materials), contact), forces_at
 
 
-def _placed_state(job: Job, cloth: Cloth, warnings: list[str]) -> State:
+def _placed_state(job: Job, cloth: Cloth, start: Cloth, worn: dict[str, np.ndarray], warnings: list[str]) -> State:
+    """The panels of `cloth` where they begin, for `start`, the same cloth with what is `worn` already (panel -> (V,3) m of its vertices) sewn."""
     positions = place_vertices(job.pattern, cloth, job.mannequin)
+    for panel, hung in worn.items():
+        positions[cloth.vertex_panel == cloth.panel_names.index(panel)] = hung
     moves = clearing_moves(job.pattern, cloth, positions, job.mannequin)
     warnings += [str(move) for move in moves]
     positions = move_panels(cloth, positions, moves)
-    refuse_tangled(cloth, positions, job.mannequin)
-    positions = positions + JITTER_M * np.random.default_rng(job.seed).standard_normal(positions.shape)
+    placed = np.empty((start.particle_count, 3))
+    placed[start.vertex_particle] = positions
+    refuse_tangled(start, placed, job.mannequin)
+    positions = placed + JITTER_M * np.random.default_rng(job.seed).standard_normal(placed.shape)
     return State(positions, np.zeros_like(positions), phase="close", fold_angles=np.zeros(len(cloth.fold_names)))
 
 
@@ -286,12 +306,13 @@ class _Keeper:
     """Passes progress on, keeps the checkpoint fresh, and stops the run where the user asked for it: between two looks, where the State is whole."""
 
     def __init__(self, job: Job, path: Path | None, look: Callable[[Progress], None], stopped: list[int]) -> None:
-        self._job, self._path, self._look, self._stopped = job, path, look, stopped
+        self.watch = look
+        self._job, self._path, self._stopped = job, path, stopped
         self._saved = -math.inf  # the first look saves: whatever stops the run later, it can be resumed
         self.state: State | None = None
 
     def __call__(self, progress: Progress) -> None:
-        self._look(progress)
+        self.watch(progress)
         due = time.perf_counter() - self._saved > CHECKPOINT_EVERY_S
         if self._path is not None and self.state is not None and (due or self._stopped):
             save_state(self._path, self.state, self._job.identity)

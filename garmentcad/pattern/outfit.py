@@ -1,0 +1,101 @@
+"""Outfits: several garments on one mannequin, put on one after the other, inner to outer, and draped together as one pattern."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from typing import Literal
+
+from pydantic import Field, PrivateAttr
+
+from garmentcad.errors import SpecError
+from garmentcad.pattern.model import Model
+from garmentcad.pattern.pattern import EdgeUse, Panel, Pattern, Seam, Wrap
+from garmentcad.pattern.spec import Name, Variable
+
+LAYER_MM = 25.0  # by which panels start farther from the body than those of the garments below: an estimate, wide enough for sleeves that start askew
+
+
+class WornSpec(Model):
+    """A garment of an outfit: a shipped name or a file; a fabric in place of its own; values of parameters in place of theirs."""
+
+    garment: str
+    fabric: str | None = None
+    values: dict[Variable, float] = {}
+
+
+class OutfitSpec(Model):
+    """Garments from the innermost to the outermost. What lies over another one at the waist is tucked over it: a shirt before a skirt is tucked into it."""
+
+    schema_version: Literal[1] = Field(default=1, alias="schema")
+    units: Literal["mm"] = "mm"
+    name: Name
+    description: str = ""
+    mannequin: str
+    garments: list[WornSpec] = Field(min_length=2, max_length=6)
+
+    _file: str | None = PrivateAttr(default=None)
+
+    @property
+    def file(self) -> str | None:
+        """Path of the file it was read from, as the user wrote it."""
+        return self._file
+
+
+def put_on(name: str, patterns: Sequence[Pattern], mannequin: str) -> Pattern:
+    """One pattern of several, inner to outer: names begin with the garment's, every panel names its fabric, and on each part of the body wraps of a garment
+    begin at least LAYER_MM farther out than those of all garments below it.
+
+    SpecError where two garments have one name.
+    """
+    names = [pattern.name for pattern in patterns]
+    for twice in sorted({one for one in names if names.count(one) > 1}):
+        raise SpecError(f"two garments are called {twice!r}; the panels of an outfit are told apart by the names of its garments", key="garments")
+    panels: dict[str, Panel] = {}
+    seams: list[Seam] = []
+    for layer, pattern in enumerate(patterns):
+        wider = _wider(pattern, panels.values())
+        for panel in pattern.panels.values():
+            rule, own = panel.placement, _named(pattern, panel.name)
+            if isinstance(rule, Wrap):
+                offset, scale = wider.get(rule.part, (0.0, 0.0))
+                rule = replace(rule, offset_mm=rule.offset_mm + offset, scale=rule.scale + scale)
+            panels[own] = replace(panel, name=own, placement=rule, fabric=panel.fabric or pattern.fabric, layer=layer)
+        for seam in pattern.seams:
+            a, b = (tuple(EdgeUse(_named(pattern, use.panel), use.edge, use.reverse) for use in side) for side in (seam.a, seam.b))
+            seams.append(replace(seam, name=_named(pattern, seam.name), a=a, b=b))
+    values = {f"{pattern.name}.{key}": value for pattern in patterns for key, value in pattern.values.items()}
+    return Pattern(name, panels, tuple(seams), patterns[0].fabric, mannequin, values, patterns[0].measurements_mm)
+
+
+def below(pattern: Pattern) -> Pattern:
+    """What is worn under the outermost garment of an outfit."""
+    outermost = max(panel.layer for panel in pattern.panels.values())
+    panels = {name: panel for name, panel in pattern.panels.items() if panel.layer < outermost}
+    return replace(pattern, panels=panels, seams=tuple(seam for seam in pattern.seams if seam.a[0].panel in panels))
+
+
+def _wider(pattern: Pattern, below: Iterable[Panel]) -> dict[str, tuple[float, float]]:
+    """By part, what wraps of `pattern` need more of offset [mm] and of scale to begin outside all panels below them. All of a part alike, so that they keep
+    their order among each other."""
+    outer, own = _rules(below), _rules(pattern.panels.values())
+    return {
+        part: (
+            max(0.0, max(rule.offset_mm for rule in outer[part]) - min(rule.offset_mm for rule in rules)) + LAYER_MM,
+            max(0.0, max(rule.scale for rule in outer[part]) - min(rule.scale for rule in rules)),
+        )
+        for part, rules in own.items()
+        if part in outer
+    }
+
+
+def _rules(panels: Iterable[Panel]) -> dict[str, list[Wrap]]:
+    found: dict[str, list[Wrap]] = {}
+    for panel in panels:
+        if isinstance(panel.placement, Wrap):
+            found.setdefault(panel.placement.part, []).append(panel.placement)
+    return found
+
+
+def _named(pattern: Pattern, name: str) -> str:
+    return f"{pattern.name}-{name}"

@@ -1,0 +1,124 @@
+"""Outfits: what is worn over what, sewn one after the other and draped together; the order holds, and nothing crosses, says who is not the solver."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import ipctk
+import numpy as np
+import pytest
+from garment_band import BAND, band_spec
+
+from garmentcad.cloth.lattice import build_cloth
+from garmentcad.cloth.weld import weld, weld_seams
+from garmentcad.errors import GarmentError, InputError
+from garmentcad.export.drape import drape
+from garmentcad.io.outfit_file import read_worn
+from garmentcad.io.shipped import shipped_file
+from garmentcad.pattern.outfit import LAYER_MM, OutfitSpec, below
+from garmentcad.pattern.pattern import Wrap
+from garmentcad.simulation.job import make_job
+from garmentcad.simulation.materials import lay_out
+
+OUTFIT = """\
+schema: 1
+units: mm
+name: two-bands
+mannequin: woman-88
+garments:
+  - {garment: band.yaml}
+  - {garment: belt.yaml, fabric: denim}
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    band_spec(tmp_path)
+    # 20 mm longer around than the band below it
+    (tmp_path / "belt.yaml").write_text(BAND.replace("name: band", "name: belt").replace("waist / 2 + 10", "waist / 2 + 20"))
+    (tmp_path / "outfit.yaml").write_text(OUTFIT)
+    return tmp_path
+
+
+def test_outer_garments_begin_farther_out_and_keep_their_own_names(folder: Path) -> None:
+    job = make_job(folder / "outfit.yaml", grid_mm=30.0)
+    assert list(job.pattern.panels) == ["band-front", "band-back", "belt-front", "belt-back"]
+    assert [seam.name for seam in job.pattern.seams] == ["band-side_left", "band-side_right", "belt-side_left", "belt-side_right"]
+    offsets = {name: one.placement.offset_mm for name, one in job.pattern.panels.items() if isinstance(one.placement, Wrap)}
+    assert offsets == {"band-front": 30.0, "band-back": 30.0, "belt-front": 30.0 + LAYER_MM, "belt-back": 30.0 + LAYER_MM}
+    sheets = {name: job.fabrics[one.fabric or ""].sheet.name for name, one in job.pattern.panels.items()}
+    assert sheets == {"band-front": "wool-suiting", "band-back": "wool-suiting", "belt-front": "denim", "belt-back": "denim"}
+    inner = below(job.pattern)
+    assert list(inner.panels) == ["band-front", "band-back"]
+    assert [seam.name for seam in inner.seams] == ["band-side_left", "band-side_right"]
+
+
+def test_worn_over_each_other(folder: Path) -> None:
+    result = drape(folder / "outfit.yaml", grid_mm=30.0)
+    assert (result.report["status"], result.report["self_intersections"]) == ("converged", 0)
+    cloth, positions = result.cloth, result.state.positions
+    mesh = ipctk.CollisionMesh(positions, ipctk.edges(cloth.particle_triangles), cloth.particle_triangles)
+    assert not ipctk.has_intersections(mesh, positions)
+    # seen from the axis of the waist the belt lies behind the band, wherever both are
+    worn = [
+        np.unique(cloth.vertex_particle[np.isin(cloth.vertex_panel, [k for k, panel in enumerate(cloth.panel_names) if panel.startswith(name)])])
+        for name in ("band", "belt")
+    ]
+    axis = positions[worn[0]].mean(axis=0)
+
+    def polar(chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        x, y, z = (positions[chosen] - axis).T
+        return np.arctan2(x, z), y, np.hypot(x, z)
+
+    angle, height, radius = polar(worn[0])
+    compared = 0
+    for a, y, r in zip(*polar(worn[1]), strict=True):
+        near = (np.abs(np.angle(np.exp(1j * (angle - a)))) < 0.15) & (np.abs(height - y) < 0.03)
+        if near.any():
+            compared += 1
+            assert r > radius[near].min()
+    assert compared > 30
+
+
+def test_some_seams_are_welded_before_others(folder: Path) -> None:
+    """The same cloth in two goes as in one."""
+    job = make_job(folder / "outfit.yaml", grid_mm=30.0)
+    materials, material_of = lay_out(job)
+    cloth = build_cloth(job.pattern, material_of, materials, 30.0)
+    first, to_first = weld_seams(cloth, ["band-side_left", "band-side_right"])
+    assert set(first.stitch_seam) == {2, 3}
+    assert first.particle_count == cloth.particle_count - np.isin(cloth.stitch_seam, [0, 1]).sum()
+    second, to_second = weld(first)
+    at_once, particle = weld(cloth)
+    assert (to_second[to_first] == particle).all()
+    np.testing.assert_array_equal(second.particle_triangles, at_once.particle_triangles)
+    np.testing.assert_allclose(second.masses, at_once.masses, rtol=1e-15)
+    assert sorted(map(sorted, second.hinges.corners.tolist())) == sorted(map(sorted, at_once.hinges.corners.tolist()))
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (("{garment: belt.yaml, fabric: denim}", "{garment: band.yaml}"), "two garments are called 'band'"),
+        (("{garment: belt.yaml, fabric: denim}", "{garment: bandit.yaml}"), "bandit.yaml"),
+        (("  - {garment: belt.yaml, fabric: denim}\n", ""), "at least 2"),
+        (("fabric: denim", "fabrik: denim"), "did you mean"),
+        (("garment: belt.yaml", "garment: ../belt.yaml"), "refused"),
+    ],
+)
+def test_faults_are_named(folder: Path, change: tuple[str, str], said: str) -> None:
+    (folder / "outfit.yaml").write_text(OUTFIT.replace(*change))
+    with pytest.raises(GarmentError, match=said):
+        make_job(folder / "outfit.yaml")
+
+
+def test_one_fabric_for_all_is_refused(folder: Path) -> None:
+    with pytest.raises(InputError, match="a fabric for each garment"):
+        make_job(folder / "outfit.yaml", "denim")
+
+
+@pytest.mark.parametrize("name", ["over-the-skirt"])
+def test_shipped_outfits_read(name: str) -> None:
+    read = read_worn(shipped_file("outfits", name))
+    assert isinstance(read, tuple)
+    assert isinstance(read[0], OutfitSpec)
