@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from garmentcad.check.examine import examine
 from garmentcad.errors import GarmentError, SpecError
 from garmentcad.io.garmentcode_import import Imported, import_garmentcode
 from garmentcad.io.spec_file import read_spec, write_spec
@@ -19,9 +20,11 @@ from garmentcad.pattern.draft import draft
 from garmentcad.pattern.pattern import Panel, Pattern
 from garmentcad.pattern.runs import side_length
 from garmentcad.placement.wrap import transform_points
+from tools.garmentcode_garments import GARMENTS
 from tools.garmentcode_patterns import ALL, Data, bodice, circle, mutated, panel, pattern_file, skirt, stitch, write
 
 SQUARE = [(0, 0), (30, 0), (30, 40), (0, 40)]
+FILES = ALL | GARMENTS
 
 
 def imported(data: Data, folder: Path) -> tuple[Imported, Pattern]:
@@ -47,9 +50,9 @@ def file_points(data: Data, name: str, edge: int) -> np.ndarray:
     return scale * (Rotation.from_euler("xyz", drawn["rotation"], degrees=True).apply(flat) + drawn["translation"])
 
 
-@pytest.mark.parametrize("name", ALL)
+@pytest.mark.parametrize("name", FILES)
 def test_every_vertex_is_where_the_file_has_it(name: str, tmp_path: Path) -> None:
-    data = ALL[name]()
+    data = FILES[name]()
     _, pattern = imported(data, tmp_path)
     for panel_name, drawn in pattern.panels.items():
         for k in range(len(drawn.edges)):
@@ -196,6 +199,50 @@ def test_unequal_lengths_are_gathers(tmp_path: Path) -> None:
     assert gathers == ["seam skirt_front-2-wb_front-0 gathers: 550.0 mm to 450.0 mm"]
 
 
+# The hood's panels stand square to the neck, so that their distance says nothing. Seams, and the points that meet in its middle.
+NECK_OF_THE_HOOD = {
+    "front-4-hood_left-0": ((0.0, 1.33, 0.28), (0.12, 1.43, 0.13)),
+    "front-5-hood_right-6": ((0.0, 1.33, 0.28), (-0.12, 1.43, 0.13)),
+    "back-5-hood_left-1": ((0.0, 1.39, -0.20), (0.12, 1.505, -0.04)),
+    "back-4-hood_right-5": ((0.0, 1.39, -0.20), (-0.12, 1.505, -0.04)),
+}
+
+
+def test_both_halves_of_a_hood_meet_in_the_middle_of_the_neck(tmp_path: Path) -> None:
+    _, pattern = imported(GARMENTS["hood"](), tmp_path)
+    for name, (neck, hood) in NECK_OF_THE_HOOD.items():
+        a, b = seam_ends(pattern, name)
+        assert any(a[k] == pytest.approx(neck) and b[k] == pytest.approx(hood) for k in (0, 1)), name
+
+
+@pytest.mark.parametrize("name", GARMENTS)
+def test_whole_garments_are_sewn_as_they_are_laid_out(name: str, tmp_path: Path) -> None:
+    """Collar, hood, godets, tiers, jumpsuit: the doctor finds no error, right sides look away from the body, and since panels hang around it as they are worn,
+    points that meet are, seen from the front, nearer to each other than to the other end of the seam."""
+    path = write(GARMENTS[name](), tmp_path)
+    assert [str(finding) for finding in examine(str(path)) if finding.severity == "error"] == []
+    pattern = draft(import_garmentcode(path).spec, {})
+    for drawn in pattern.panels.values():
+        ends = np.concatenate([placed(drawn, k) for k in range(len(drawn.edges))])
+        away = 0.5 * (ends.min(axis=0) + ends.max(axis=0)) - [0.0, 0.0, 0.04]  # the middle of the body is 4 cm before the world's
+        assert (normal(drawn) * away)[[0, 2]].sum() > 0.05, drawn.name
+    for seam in pattern.seams:
+        if seam.name in NECK_OF_THE_HOOD:
+            continue
+        a, b = (ends[:, :2] for ends in seam_ends(pattern, seam.name))
+        straight, crosswise = np.linalg.norm(a - b, axis=1).sum(), np.linalg.norm(a - b[::-1], axis=1).sum()
+        assert straight < crosswise, seam.name
+
+
+def test_tiers_and_waists_gather_and_godets_do_not(tmp_path: Path) -> None:
+    eases: dict[str, float] = {}
+    for make in (GARMENTS["tiers"], GARMENTS["godets"]):
+        eases |= {seam.name: seam.ease for seam in imported(make(), tmp_path)[1].seams}
+    assert eases["band_front-0-upper_front-2"] == pytest.approx(43.0 / 56.0 - 1.0, abs=1e-6)
+    assert eases["lower_back-2-upper_back-0"] == pytest.approx(73.0 / 56.0 - 1.0, abs=1e-6)
+    assert eases["godet_front-2-skirt_front-1"] == 0.0  # 25.02 cm each, to 0.1 mm
+
+
 def test_loops_of_old_files(tmp_path: Path) -> None:
     """No word on edge loops, vertices in any order, a loop that starts anywhere: the same garment."""
     data = pattern_file({"a": panel(*SQUARE, at=(5, 50, 20), e1=[0.5, -0.1])})
@@ -222,9 +269,9 @@ def test_panels_normalised_to_their_middle(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("seed", range(5))
-@pytest.mark.parametrize("name", ALL)
+@pytest.mark.parametrize("name", FILES)
 def test_the_order_of_panels_and_stitches_means_nothing(name: str, seed: int, tmp_path: Path) -> None:
-    data, chance = ALL[name](), random.Random(seed)
+    data, chance = FILES[name](), random.Random(seed)
     spec = import_garmentcode(write(data, tmp_path)).spec
     rows = list(data["pattern"]["panels"].items())
     chance.shuffle(rows)
