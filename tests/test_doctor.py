@@ -69,6 +69,35 @@ def long_back(data: dict[str, Any], by: float) -> None:
     data["panels"]["back"]["points"] |= {"a": [0, -by], "b": [300, -by]}
 
 
+def slanted(side: int = 1, **more: Any) -> dict[str, Any]:
+    """A panel without symmetry; with side -1 its mirror image, drawn elsewhere and from another corner."""
+    points = {"a": [0, 0], "b": [300, 0], "c": [240, 390], "d": [40, 400]}
+    if side < 0:
+        points = {name: [900 - points[other][0], 50 + points[other][1]] for name, other in zip("abcd", "cbad")}
+    return square(points=points, notches=[], **more)
+
+
+def drawn_dart(data: dict[str, Any], apex: float) -> None:
+    """A dart in the hem of the front, drawn as part of its outline: mouth from 100 to 200, 100 deep."""
+    front = data["panels"]["front"]
+    front["points"] |= {"m": [100, 0], "x": [apex, 100], "n": [200, 0]}
+    front["edges"][:1] = [{"name": name, "from": a, "to": b} for name, a, b in (("hem", "a", "m"), ("leg", "m", "x"), ("gel", "x", "n"), ("meh", "n", "b"))]
+    data["seams"].append({"name": "dart", "a": ["front.leg.m", "front.leg.x"], "b": ["front.gel.n", "front.gel.x"]})
+
+
+def sleeved(data: dict[str, Any], cap: float, ease: float | None = None) -> None:
+    """A sleeve of two panels whose caps are `cap` long together, sewn to an armhole of 250 + 250 mm."""
+    on_arm = {"wrap": {"part": "arm_left", "angle": 0, "height": -300}}
+    for name in ("upper", "under"):
+        data["panels"][name] = square(points={"a": [0, 0], "b": [cap / 2, 0], "c": [cap / 2, 500], "d": [0, 500]}, notches=[], placement=on_arm)
+    for name in ("front", "back"):
+        data["panels"][name]["points"] |= {"k": [50, 400], "c": [300, 400]}
+        data["panels"][name]["edges"][2:3] = [{"name": "hole", "from": "c", "to": "k"}, {"name": "waist", "from": "k", "to": "d"}]
+    ease = cap / 500 - 1 if ease is None else ease
+    data["seams"] += [{"name": f"cap_left_{body}", "a": [f"{sleeve}.waist.c", f"{sleeve}.waist.d"], "b": [f"{body}.hole.c", f"{body}.hole.k"], "ease": ease}
+                      for sleeve, body in (("upper", "front"), ("under", "back"))]  # fmt: skip
+
+
 FAULTS: list[tuple[str, Callable[[dict[str, Any]], Any], str, str, str, str]] = [
     ("crossing", lambda d: d["panels"]["front"]["edges"][1].update(cubic=[[-300, 100], [-300, 300]]),
      "error", "outline-crosses-itself", "panels.front.edges", "on left and right"),
@@ -113,6 +142,23 @@ FAULTS: list[tuple[str, Callable[[dict[str, Any]], Any], str, str, str, str]] = 
      "error", "edge-sewn-twice", "seams.one", "twice in this seam"),
     ("notch moved", lambda d: d["panels"]["back"]["notches"][1].update(at={"mm": 120, "from": "d"}),
      "warning", "notch-mismatch", "seams.one", "from the start to notch r side a is 100.0 mm and side b 120.0 mm"),
+    ("notches that creep", lambda d: [
+        d["panels"][panel]["notches"].extend({"edge": edge, "at": {"mm": mm, "from": start}, "name": name} for name, mm in places)
+        for panel, edge, start, places in (("front", "right", "c", (("s", 103), ("t", 206))), ("back", "left", "d", (("s", 106), ("t", 212))))],
+     "warning", "notch-mismatch", "seams.one", "from the start to notch t side a is 206.0 mm and side b 212.0 mm long"),
+    ("grain a little oblique", lambda d: d["panels"]["front"].update(grain=3),
+     "warning", "grain-oblique", "panels.front.grain", "grain of 3 degrees lies 3.0 degrees off"),
+    ("bias a little oblique", lambda d: d["panels"]["front"].update(grain=-48),
+     "warning", "grain-oblique", "panels.front.grain", "3.0 degrees off"),
+    ("oblique strip", lambda d: d["panels"].update(strip=square(points={"a": [0, 0], "b": [400, 28], "c": [397, 70.9], "d": [-3, 42.9]}, notches=[])),
+     "warning", "grain-oblique", "panels.strip.grain", "4.0 degrees off straight, cross or bias grain by the long axis of this strip"),
+    ("twins off grain", lambda d: d["panels"].update(left=slanted(), right=slanted(-1, grain=20)),
+     "warning", "grain-of-twins", "panels.right.grain", "mirror image of left, but its grain of 20 degrees lies 20.0 degrees off"),
+    ("drawn dart", lambda d: drawn_dart(d, 152),
+     "warning", "dart-legs", "seams.dart", f"{(100**2 + 52**2) ** 0.5:.1f} and {(100**2 + 48**2) ** 0.5:.1f} mm long; they differ by 1.8 mm"),
+    ("drawn dart far off", lambda d: drawn_dart(d, 170), "error", "dart-legs", "seams.dart", "differ by 17.7 mm"),
+    ("cap too short", lambda d: sleeved(d, 480), "warning", "sleeve-cap", "seams.cap_left_front", "cap is 480 mm long and the armhole 500 mm"),
+    ("cap too long", lambda d: sleeved(d, 548), "warning", "sleeve-cap", "seams.cap_left_front", "+48 mm; -5 to 43 mm can be eased in"),
     ("notch alone", lambda d: d["panels"]["back"]["notches"].pop(1),
      "note", "notch-alone", "seams.one", "notch r stands on side a only"),
     ("notch twice", lambda d: d["seams"].__setitem__(slice(None), [{"name": "one", "a": ["front.right.b", "front.left.a"], "b": [
@@ -132,6 +178,23 @@ def test_faults(fault: tuple) -> None:
     assert (found[0].severity, found[0].file) == (severity, "tube.yaml")
     assert message in found[0].message
     assert found[0].remedy
+
+
+CLEAN: list[tuple[str, Callable[[dict[str, Any]], Any]]] = [
+    ("bias grain", lambda d: d["panels"].update(bias=slanted(grain=45))),
+    ("grain along a slanted edge", lambda d: d["panels"].update(slanted=slanted(grain=8.7462))),
+    ("a strip drawn aslant, grain along it", lambda d: d["panels"].update(
+        strip=square(points={"a": [0, 0], "b": [400, 28], "c": [397, 70.9], "d": [-3, 42.9]}, notches=[], grain=4.0))),
+    ("twins cut alike", lambda d: d["panels"].update(left=slanted(grain=20), right=slanted(-1, grain=-20))),
+    ("a dart of equal legs", lambda d: drawn_dart(d, 150)),
+    ("caps eased in", lambda d: sleeved(d, 520)),
+    ("a gathered cap", lambda d: sleeved(d, 750)),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("case", CLEAN, ids=lambda case: case[0])
+def test_no_false_alarm(case: tuple) -> None:
+    assert [str(finding) for finding in findings(case[1])] == []
 
 
 def test_thin_enough_for_a_finer_grid() -> None:

@@ -8,6 +8,8 @@ from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
+from tools.faults import nudge_numbers, with_changed_bytes, with_faults
+
 Data = dict[str, Any]
 
 
@@ -113,49 +115,8 @@ def mutated(seed: int) -> bytes:
     """Bytes of a file with faults: numbers nudged, then in two of three files values replaced, moved, dropped or doubled, in one of three bytes changed."""
     chance = random.Random(seed)
     data: Any = deepcopy(ALL[chance.choice(sorted(ALL))]())
-    for _ in range(chance.randint(1, 3)):
-        *path, last = chance.choice([place for place in _places(data, []) if isinstance(_at(data, place), (int, float))])
-        _at(data, path)[last] = _at(data, [*path, last]) * chance.choice([1.0, 1.001, 0.98, 1.1, -1, 0, 100]) + chance.choice([0, 0, 0, 0, 1, -1])
-    for _ in range(chance.randint(0, 2)):
-        data = _with_fault(data, chance)
-    raw = json.dumps(data).encode()
-    for _ in range(chance.randint(1, 3) if chance.random() < 0.33 else 0):
-        where = chance.randrange(len(raw) + 1)
-        raw = raw[:where] + chance.choice([b"", *_TEXT]) + raw[where + chance.choice([0, 0, 1, 2, 40]) :]
-    return raw
-
-
-def _with_fault(data: Any, chance: random.Random) -> Any:
-    places = list(_places(data, []))
-    if not places:
-        return chance.choice(_ODD)
-    *path, last = chance.choice(places)
-    holder = _at(data, path)
-    kind = chance.randrange(6)
-    if kind == 0:
-        del holder[last]
-    elif kind == 1:
-        holder[last] = deepcopy(chance.choice(_ODD))
-    elif kind == 2 and isinstance(holder, list):
-        holder.insert(chance.randrange(len(holder) + 1), deepcopy(holder[last]))
-    elif kind == 3 and isinstance(holder, dict):
-        holder[chance.choice(["units", "type", "label", last + "_2", "päckchen"])] = holder.pop(last)
-    else:
-        holder[last] = deepcopy(_at(data, chance.choice(places)))
-    return data
-
-
-def _at(data: Any, path: list[Any]) -> Any:
-    for key in path:
-        data = data[key]
-    return data
-
-
-def _places(data: Any, path: list[Any]) -> Any:
-    rows = data.items() if isinstance(data, dict) else enumerate(data) if isinstance(data, list) else ()
-    for key, value in rows:
-        yield [*path, key]
-        yield from _places(value, [*path, key])
+    nudge_numbers(data, chance)
+    return with_changed_bytes(json.dumps(with_faults(data, chance, _ODD, ("units", "type", "label"))).encode(), chance, _TEXT)
 
 
 def write(data: Any, folder: Path, name: str = "garment.json") -> Path:

@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 from garmentcad.check.finding import Finding
+from garmentcad.check.grain import check_grain
 from garmentcad.check.outline import check_panel
 from garmentcad.check.seam import check_seams
+from garmentcad.check.sleeve import check_sleeves
 from garmentcad.errors import InputError
 from garmentcad.pattern.pattern import Pattern
 from garmentcad.pattern.spec import GarmentSpec
 
 
 def check_pattern(spec: GarmentSpec, pattern: Pattern, grid_mm: float = 10.0) -> list[Finding]:
-    """Findings on a drafted pattern, errors first: outlines, sizes against the lattice spacing, regions, seams, notches.
+    """Findings on a drafted pattern, errors first: outlines, sizes against the lattice spacing, regions, grain, seams, notches, sleeves.
 
     What keeps a spec from being drafted at all (open outline, unknown edges and points) is an error of `draft_errors`; `refusal` makes a finding of one.
     """
     found = [finding for panel in pattern.panels.values() for finding in check_panel(panel, grid_mm, spec.file)]
-    found += check_seams(pattern, spec.file)
+    found += [*check_grain(pattern, spec.file), *check_seams(pattern, spec.file), *check_sleeves(pattern, spec.file)]
     return worst_first(found)
 
 

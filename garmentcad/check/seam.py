@@ -4,21 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import numpy as np
-
 from garmentcad.check.finding import Finding
 from garmentcad.pattern.pattern import Pattern, Seam
 from garmentcad.pattern.runs import side_length, side_notches
 
 _ABSOLUTE_MM, _RELATIVE = 3.0, 0.02  # a seam may be off by the larger of the two
 _NOTE_MM = 0.5
+_DART_MM = 1.0
 
 
 def check_seams(pattern: Pattern, file: str | None) -> Iterator[Finding]:
     """Everything that is wrong with the seams as they lie on the table (`check_placement` looks at them in space)."""
     owner: dict[tuple[str, int], str] = {}
     for seam in pattern.seams:
-        yield from _check_length(pattern, seam, file)
+        yield from _check_dart(pattern, seam, file) if _is_dart(pattern, seam) else _check_length(pattern, seam, file)
         yield from _check_notches(pattern, seam, file)
         for use in (*seam.a, *seam.b):
             place = (use.panel, use.edge)
@@ -48,6 +47,32 @@ def _check_length(pattern: Pattern, seam: Seam, file: str | None) -> Iterator[Fi
     )  # fmt: skip
 
 
+def _is_dart(pattern: Pattern, seam: Seam) -> bool:
+    """Whether both sides are one panel's and run into one point of its outline: the legs of a dart that is drawn, and meant to be equal."""
+    if seam.ease != 0.0 or len({use.panel for use in (*seam.a, *seam.b)}) > 1:
+        return False
+    edges = pattern.panels[seam.a[0].panel].edges
+    (first_a, last_a), (first_b, last_b) = (
+        (
+            edges[side[0].edge].end if side[0].reverse else edges[side[0].edge].start,
+            edges[side[-1].edge].start if side[-1].reverse else edges[side[-1].edge].end,
+        )
+        for side in (seam.a, seam.b)
+    )
+    return (first_a == first_b) != (last_a == last_b)
+
+
+def _check_dart(pattern: Pattern, seam: Seam, file: str | None) -> Iterator[Finding]:
+    a, b = side_length(pattern, seam.a), side_length(pattern, seam.b)
+    if abs(a - b) > _DART_MM:
+        bad = abs(a - b) > max(_ABSOLUTE_MM, _RELATIVE * b)
+        yield Finding(
+            "error" if bad else "warning", "dart-legs", file, f"seams.{seam.name}",
+            f"the legs of the dart are {a:.1f} and {b:.1f} mm long; they differ by {abs(a - b):.1f} mm ({_DART_MM:g} mm are allowed)",
+            "Move the apex square over the middle of the mouth, or true the mouth's ends: folded shut, the legs lie on each other.",
+        )  # fmt: skip
+
+
 def _check_notches(pattern: Pattern, seam: Seam, file: str | None) -> Iterator[Finding]:
     key = f"seams.{seam.name}"
     sides = (side_notches(pattern, seam.a), side_notches(pattern, seam.b))
@@ -72,14 +97,16 @@ def _check_notches(pattern: Pattern, seam: Seam, file: str | None) -> Iterator[F
             "Turn one side of the seam around, or swap the names.",
         )  # fmt: skip
         return
-    a = np.diff([0.0, *(places_a[name] for name in shared), side_length(pattern, seam.a)])
-    b = np.diff([0.0, *(places_b[name] for name in shared), side_length(pattern, seam.b)])
-    marks = ["the start", *(f"notch {name}" for name in shared), "the end"]
-    for k in range(len(a)):
-        wanted = (1.0 + seam.ease) * b[k]
-        if shared and abs(a[k] - wanted) > max(_ABSOLUTE_MM, _RELATIVE * wanted):
+    whole_a, whole_b = side_length(pattern, seam.a), side_length(pattern, seam.b)
+    for name in shared:
+        ends = ((places_a[name], places_b[name], "start"), (whole_a - places_a[name], whole_b - places_b[name], "end"))
+        # Where whole lengths differ (a finding of its own), a notch that is right from one end is right.
+        a, b, end = min(ends, key=lambda place: abs(place[0] - (1.0 + seam.ease) * place[1]))
+        wanted = (1.0 + seam.ease) * b
+        if abs(a - wanted) > max(_ABSOLUTE_MM, _RELATIVE * wanted):
             yield Finding(
                 "warning", "notch-mismatch", file, key,
-                f"from {marks[k]} to {marks[k + 1]} side a is {a[k]:.1f} mm and side b {b[k]:.1f} mm long; with the intended ease a should be {wanted:.1f} mm",
+                f"from the {end} to notch {name} side a is {a:.1f} mm and side b {b:.1f} mm long; with the intended ease a should be {wanted:.1f} mm "
+                f"({max(_ABSOLUTE_MM, _RELATIVE * wanted):.1f} mm are allowed)",
                 "Move the notch on one side, unless the ease is meant to be held here.",
             )  # fmt: skip

@@ -77,6 +77,8 @@ def _landmarks(points: np.ndarray, faces: np.ndarray, heights: dict[str, float],
     for name in ("waist", "hip"):
         ring = level(heights[name], 0.14)
         middle = ring[np.abs(ring[:, 0]) < 0.03 * stature]
+        if len(middle) == 0:
+            raise MannequinError(f"there is no body in the middle at {heights[name]:.2f} m above the floor")
         marks |= {f"{name}_front": middle[middle[:, 2].argmax()], f"{name}_back": middle[middle[:, 2].argmin()]}
         marks |= {f"{name}_left": ring[ring[:, 0].argmax()], f"{name}_right": ring[ring[:, 0].argmin()]}
     for name, facing in (("nape", -1.0), ("neck_front", 1.0)):
