@@ -26,6 +26,7 @@ lint: $(VENV)/.installed
 study: $(VENV)/.installed
 	$(BIN)/python -m tools.body_study
 	$(BIN)/python -m tools.study
+	$(BIN)/python -m tools.detection_study
 	$(BIN)/python -m tools.garment_test_study
 
 bench: $(VENV)/.installed

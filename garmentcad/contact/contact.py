@@ -250,23 +250,27 @@ class Contact:
         gap = float(self._cloth_gap.max(initial=LEAST_GAP))
         least = max(_COVERED_LEAST * self._spacing, 0.5 * (_ACROSS * self._spacing - gap))
         covered = max(least, min(4.0 * reserve_m, 2.0 * self._spacing), 1.01 * SURGE * reserve_m)
-        positions = floats(state.positions)
+        self._store(state, self.near(state, covered), covered)
+
+    def near(self, state: State, way_m: float) -> Pairs:
+        """All pairs that may come below their gap while no node goes farther than `way_m`; the state stays as it is."""
+        positions, reach = floats(state.positions), float(self._cloth_gap.max(initial=LEAST_GAP)) + 2.0 * way_m
         parts, moving = [], []
         if self._itself:
-            touched, crossed = self._elements.pairs(positions, gap + 2.0 * covered)
+            touched, crossed = self._elements.pairs(positions, reach)
             parts.append(make_pairs(touched, crossed, self._cloth_gap, self._cloth_friction))
             moving.append(np.full(len(parts[-1].nodes), 2.0))
         if self._body is not None:
             sides = 1.0 if self._path is None else 2.0
             if self._path is not None:
                 self._body.refit()
-            pierced, crossed = self._body.pairs(self._elements, positions, ELEMENT_GAP + sides * covered)
+            pierced, crossed = self._body.pairs(self._elements, positions, ELEMENT_GAP + sides * way_m)
             still = self.nodes - self.count
             friction = np.concatenate([self._body_friction, np.full(still, self._body_friction.mean())])
             parts.append(make_pairs(pierced, crossed, np.full(self.nodes, ELEMENT_GAP), friction))
             moving.append(np.full(len(parts[-1].nodes), sides))
         found = joined(*parts) if parts else make_pairs(np.zeros((0, 4), np.int32), np.zeros((0, 4), np.int32), self._cloth_gap, self._cloth_friction)
-        self._store(state, found._replace(moving=np.concatenate([*moving, np.zeros(0)])), covered)
+        return found._replace(moving=np.concatenate([*moving, np.zeros(0)]))
 
     def _store(self, state: State, pairs: Pairs, covered: float) -> None:
         self.load(state)

@@ -101,7 +101,7 @@ class Course:
         while state.phase != "rest":
             if state.time_s >= self.max_time_s:
                 return "max_time"
-            self._set_phase(state)
+            self.set_phase(state)
             if not advance_or_retreat(self.dynamics, state):
                 continue
             if state.phase == "watch":
@@ -109,7 +109,8 @@ class Course:
             self._decide(state, look)
         return "converged"
 
-    def _set_phase(self, state: State) -> None:
+    def set_phase(self, state: State) -> None:
+        """Forces, masses and damping of the phase in which the state is."""
         dynamics = self.dynamics
         dynamics.steady = state.phase != "fall"
         dynamics.equalise = self.mode == "drape" and state.phase != "watch"
