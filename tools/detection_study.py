@@ -106,7 +106,8 @@ def page(rows: list[Row], grid_mm: float) -> str:
         f"`python -m tools.detection_study --grid {grid_mm:g}`: {STEPS} steps at each place. Both searches use the same trees; the one at every step looks no",
         "farther than the gap and the way of that step.",
         "Pairs nearer than 1.1 gaps are compared after every step.", "",
-        "| case | place | fastest, m/s | looks | detection, s | at every step, s | factor | touching pairs, at most | missed |", "|---|---|---|---|---|---|---|---|---|",
+        "| case | place | fastest, m/s | looks | detection, s | at every step, s | factor | touching pairs, at most | missed |",
+        "|---|---|---|---|---|---|---|---|---|",
     ]  # fmt: skip
     for row in rows:
         factor = f"{row.each_s / row.ours_s:.1f}" if row.ours_s > 0.0 else "no look"
