@@ -11,7 +11,6 @@ import pytest
 from garmentcad.fabric.material import MaterialTable, without_friction
 from garmentcad.fabric.sheet import KesSheet, is_calibrated
 from garmentcad.io.fabric_file import fabric_path, load_fabric, read_fabric, write_fabric, write_law
-from garmentcad.rigs import bending
 from garmentcad.rigs import calibrate as calibration
 from garmentcad.rigs.bending import bending_test, printed_bending
 from garmentcad.rigs.calibrate import calibrate, corrections_percent
@@ -26,12 +25,6 @@ numba.set_num_threads(1)
 SHEET = load_fabric(fabric_path("wool-suiting")).sheet
 MATERIALS = sheet_materials(SHEET)
 ELASTIC = without_friction(MATERIALS)
-
-
-@pytest.fixture(autouse=True)
-def few_points(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Records of the points that are read, and few others."""
-    monkeypatch.setattr(bending, "STEPS", 5)
 
 
 def linear(warp: float = 2000.0, weft: float = 1200.0) -> MaterialTable:
@@ -107,7 +100,7 @@ def test_loops_of_shear_and_bending_have_the_widths_of_the_sheet() -> None:
 def test_calibration_makes_testers_that_lose_a_share_print_the_sheet(monkeypatch: pytest.MonkeyPatch) -> None:
     lost = {"G": 0.96, "2HG": 0.95, "2HG5": 0.97, "B": 1.02, "2HB": 0.99, "LT": 1.0, "EMT": 1.01}
 
-    def print_law(tester: KesTester, sheet: KesSheet, materials: MaterialTable, grid_mm: float) -> Record:
+    def print_law(tester: KesTester, sheet: KesSheet, materials: MaterialTable, grid_mm: float, sides: int) -> Record:
         law = current[-1]
         printed = {f"{name}.{tester.way}": lost.get(name, 1.0) * law[f"{name}.{tester.way}"] for name in calibration.SOLVED[tester.kind] if name != "RT"}
         if tester.kind == "tension":

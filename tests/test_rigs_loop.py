@@ -34,3 +34,11 @@ def loop(largest: float, slope: float, half_width: float) -> Loop:
 def test_slopes_and_mean_widths_of_parallel_lines() -> None:
     assert printed_bending(loop(2.5, 0.3, 0.1)) == pytest.approx({"B": 0.3, "2HB": 0.22})
     assert printed_shear(loop(8.0, 0.7, 0.5), (0.5, 2.5)) == pytest.approx({"G": 0.7, "2HG": 1.1, "2HG5": 1.1})
+
+
+def test_the_first_half_of_a_cycle_is_read_alone() -> None:
+    whole = loop(2.5, 0.3, 0.1)
+    half = Loop(whole.out, whole.back)
+    assert half.branches() == (whole.out, whole.back)
+    assert printed_bending(half) == pytest.approx({"B": 0.3, "2HB": 0.2})
+    assert len(whole.branches()) == 4

@@ -1,6 +1,6 @@
-"""Tension in warp or weft: the loop that the KES-FB1 tester prints, loading curve F and unloading curve (RT/100) F.
+"""Tension in warp or weft: the loop that the KES-FB1 tester prints, loading curve F and unloading curve (1 - 2 c) F.
 
-    T = F (1 - c + c (e - s)/d)  [N/m],  c = (1 - RT/100)/2,  d = WAY em    for e > 0;  T = F below   (internal_friction.py: H = c F, s the slider)
+    T = F (1 - c + c (e - s)/d)  [N/m],  d = WAY em    for e > 0;  T = F below   (internal_friction.py: H = c F, s the slider)
 
     F(e) = Fm (exp(x u) - 1)/(exp(x) - 1)  [N/m],  u = e/em     for 0 <= e <= em
     F(e) = k e,  k = Fm x/(em (exp(x) - 1))                     for e < 0 (repel): the initial slope
@@ -9,6 +9,7 @@
 em: strain at Fm (EMT/100); Fm: force per width at the end of the test [N/m]; x: exponent, solved from the linearity LT of the same sheet,
 LT = (energy up to em)/(Fm em/2) = 2/x - 2/(exp(x) - 1). x = 0 is linear (LT = 1), x > 0 stiffens (LT < 1), x < 0 softens (LT > 1).
 Inside the curve the tangent is k + (x/em) F, so that one exponential gives force and tangent, and none is needed outside.
+c is solved from RT, the share of the energy that comes back on the way from em to 0; on its first 2 d the stick springs turn (`friction_share`).
 Cloth that was never stretched has its slider at -d: its first loading is F, the printed curve, from the first bit on.
 Source: definitions of LT, WT and RT of the KES-FB1 tester (Kawabata 1980); the exponential is this project's choice of a curve with that LT.
 """
@@ -109,6 +110,20 @@ def solve_exponent(lt: float) -> float:
     if not 0.05 <= lt <= 1.95:
         raise FabricError(f"LT = {lt!r} is outside 0.05..1.95, the linearities that a tensile curve can have", key="LT")
     return float(brentq(lambda x: linearity(x) - lt, -LARGEST_EXPONENT, LARGEST_EXPONENT, xtol=1e-13, rtol=1e-14))
+
+
+def friction_share(resilience: float, exponent: float) -> float:
+    """c with which the loop up to em gives RT/100 = `resilience` of its energy back: (1 - RT/100)/(2 (1 - J/W)), at most 1/2.
+
+    W is the energy up to em, J that which the stick springs let through while they turn: of F (e - em + 2 d)/(2 d) over the last 2 d. With more than 1/2 the
+    cloth would push on its way back: such a sheet (RT below a quarter, about) prints more than its RT.
+    """
+    slope = float(initial_slope(1.0, 1.0, exponent))
+    turned = 0.0
+    for place, weight in zip(_PLACES, _WEIGHTS):
+        u = 1.0 - WAY + WAY * place
+        turned += WAY * weight * loading(u, 1.0, 1.0, exponent, slope)[0] * (u - 1.0 + 2.0 * WAY) / (2.0 * WAY)
+    return min(0.5 * (1.0 - resilience) / (1.0 - turned / loading_energy(1.0, 1.0, 1.0, exponent, slope)), 0.5)
 
 
 def strain_at_force(force: float, em: float, fm: float, exponent: float) -> float:

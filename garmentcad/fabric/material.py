@@ -12,7 +12,7 @@ from garmentcad.arrays import floats
 from garmentcad.errors import FabricError
 from garmentcad.fabric import law_shear
 from garmentcad.fabric.fused import fused
-from garmentcad.fabric.law_tension import initial_slope, solve_exponent, strain_at_force
+from garmentcad.fabric.law_tension import friction_share, initial_slope, solve_exponent, strain_at_force
 from garmentcad.fabric.law_values import law_numbers
 from garmentcad.fabric.sheet import KesSheet
 from garmentcad.units import GF_CM2_CM_TO_N_M, GF_CM_CM_TO_N, GF_CM_DEG_TO_N_M_RAD, GF_CM_TO_N_M, MG_CM2_TO_KG_M2, MM_TO_M
@@ -31,7 +31,7 @@ class MaterialTable(NamedTuple):
     tension_force: np.ndarray  # (M,2) Fm, N/m
     tension_exponent: np.ndarray  # (M,2) x of F = Fm (exp(x u) - 1)/(exp(x) - 1), u = e/em; 0 is linear
     tension_slope: np.ndarray  # (M,2) initial slope of that curve, N/m: law_tension.initial_slope
-    tension_friction: np.ndarray  # (M,2) c = (1 - RT/100)/2
+    tension_friction: np.ndarray  # (M,2) c, half of what the way back lacks: law_tension.friction_share
     strain_limit: np.ndarray  # (M,2) strain at 1.5 Fm
     shear: np.ndarray  # (M,) G_e = G - (2HG5 - 2HG)/(2 x 4.5 degrees), N/m per rad
     shear_friction: np.ndarray  # (M,2) H below 0.5 and above 5 degrees: 2HG/2, 2HG5/2, N/m
@@ -95,7 +95,7 @@ def material_row(sheet: KesSheet, factors: Mapping[str, float] | None = None, in
         tension_force=(force, force),
         tension_exponent=(exponent_warp, exponent_weft),
         tension_slope=(float(initial_slope(strain_warp, force, exponent_warp)), float(initial_slope(strain_weft, force, exponent_weft))),
-        tension_friction=(0.5 - 0.005 * resilience[0], 0.5 - 0.005 * resilience[1]),
+        tension_friction=(friction_share(0.01 * resilience[0], exponent_warp), friction_share(0.01 * resilience[1], exponent_weft)),
         strain_limit=(
             strain_at_force(STRAIN_LIMIT_FORCE * force, strain_warp, force, exponent_warp),
             strain_at_force(STRAIN_LIMIT_FORCE * force, strain_weft, force, exponent_weft),

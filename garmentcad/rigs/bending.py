@@ -23,7 +23,7 @@ from garmentcad.rigs.specimen import Specimen
 from garmentcad.units import GF_CM_CM_TO_N, MM_TO_M
 
 WIDTH_MM = 200.0
-LARGEST_PER_CM, STEPS = 2.5, 10  # on each way
+LARGEST_PER_CM, STEPS = 2.5, 5  # on each way
 WINDOW = (0.2, 0.6)  # of the largest curvature: 0.5 and 1.5 /cm
 HYSTERESIS_AT = 0.4  # of the largest curvature: 1.0 /cm
 LEAST_LINKS, LEAST_MM = 8, 30.0
@@ -49,8 +49,9 @@ def largest_curvature_per_cm(grid_mm: float, angle_deg: float) -> float:
     return min(LARGEST_PER_CM, 100.0 * LARGEST_TURN / (grid_mm * (row_distance_mm(grid_mm, angle_deg) or grid_mm)))
 
 
-def bending_test(materials: MaterialTable, angle_deg: float, grid_mm: float, shift: float = 0.0) -> Loop:
-    """Curvature [1/cm] and moment per width [gf.cm/cm] over a whole cycle. shift: of the lattice across the specimen, in spacings."""
+def bending_test(materials: MaterialTable, angle_deg: float, grid_mm: float, shift: float = 0.0, sides: int = 2) -> Loop:
+    """Curvature [1/cm] and moment per width [gf.cm/cm] over a whole cycle. shift: of the lattice across the specimen, in spacings; sides: 1 for its first
+    half."""
     rows = row_distance_mm(grid_mm, angle_deg)
     step = rows or grid_mm
     free_mm = step * max(LEAST_LINKS, math.ceil(LEAST_MM / step))
@@ -62,14 +63,19 @@ def bending_test(materials: MaterialTable, angle_deg: float, grid_mm: float, shi
     inside = (0.5 * step * (1.0 + 1e-6) if rows else RAGGED * grid_mm) * MM_TO_M
     still, turned = np.flatnonzero(along <= inside), np.flatnonzero(along >= free - inside)
     modes = specimen.modes([still, turned], [(turned, 1), (turned, 2)])
+    shared = np.asarray(modes.sum(axis=0))
     flat = np.column_stack([specimen.rest[:, 0], along, np.zeros(len(along))])
-    still_there = np.zeros(modes.shape[1])
+    beside = np.zeros_like(flat)  # how the strip lies beside the roll, in a frame that turns with it: the guess for the next curvature
 
     def branch(start: float, stop: float) -> Branch:
+        nonlocal beside
         points = []
         for per_cm in np.linspace(start, stop, STEPS + 1):
             given = _rolled(flat, still, turned, free, per_cm / _CM, step * MM_TO_M)
-            positions = given + (modes @ specimen.balance.solve(given, modes, still_there)).reshape(-1, 3)
+            angle = np.clip(per_cm / _CM * along, *sorted((0.0, per_cm / _CM * free)))
+            guess = modes.T @ _turned(beside, angle).ravel() / shared
+            positions = given + (modes @ specimen.balance.solve(given, modes, guess)).reshape(-1, 3)
+            beside = _turned(positions - given, -angle)
             forces = specimen.balance.keep(positions)[turned]
             arms = positions[turned] - positions[turned].mean(axis=0)
             moment = -np.cross(arms, forces)[:, 0].sum() / specimen.width
@@ -77,7 +83,8 @@ def bending_test(materials: MaterialTable, angle_deg: float, grid_mm: float, shi
         return Branch(*np.array(points).T)
 
     most = largest_curvature_per_cm(grid_mm, angle_deg)
-    return Loop(branch(0.0, most), branch(most, 0.0), branch(0.0, -most), branch(-most, 0.0))
+    ways = ((0.0, most), (most, 0.0), (0.0, -most), (-most, 0.0))
+    return Loop(*(branch(*way) for way in ways[: 2 * sides]))
 
 
 def _rolled(flat: np.ndarray, still: np.ndarray, turned: np.ndarray, free: float, curvature: float, step: float) -> np.ndarray:
@@ -97,6 +104,12 @@ def _rolled(flat: np.ndarray, still: np.ndarray, turned: np.ndarray, free: float
     rolled[turned, 1] = middle * math.sin(end) + beyond * math.cos(end)
     rolled[turned, 2] = middle * (1.0 - math.cos(end)) + beyond * math.sin(end)
     return rolled
+
+
+def _turned(vectors: np.ndarray, angle: np.ndarray) -> np.ndarray:
+    """Vectors (P,3) turned by angles (P,) about the axis of the roll, from y toward z."""
+    cosine, sine = np.cos(angle), np.sin(angle)
+    return np.column_stack([vectors[:, 0], cosine * vectors[:, 1] - sine * vectors[:, 2], sine * vectors[:, 1] + cosine * vectors[:, 2]])
 
 
 def printed_bending(loop: Loop) -> dict[str, float]:

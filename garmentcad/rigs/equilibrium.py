@@ -8,6 +8,7 @@ kernels, many particles at a time: two particles that no force feels together ar
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -20,12 +21,14 @@ from garmentcad.forces.assembly import ForceAssembly
 
 _DISPLACED = 1e-7  # of the lattice spacing, for the differences
 _CONVERGED = 1e-6  # of the lattice spacing: the last correction
-_BALANCED = 1e-6  # of the largest force on a particle, clamps included: what may be left where sliders hold and slip by turns
 _LONGEST = 0.5  # of the lattice spacing: no particle goes farther in one correction
 _MOST_CORRECTIONS = 200
-_ANCHOR = 1e-8  # of the stiffest unknown: the weakest springs
-_LOOSENED = 0.03  # what a correction that served leaves of the springs
+_MOST_LOOKS = 12  # along one correction
+_LEFT = 0.5  # of the work that the forces do along a correction may be left at its end
+_PIVOT = 0.1  # the tangent is symmetric but for kinks: pivots stay on its diagonal
 _KEPT = 0.1  # a tangent serves again while each correction is smaller than this part of the one before
+_ANCHOR = 1e-6  # of the stiffest unknown: the weakest springs, where forces push away from the next equilibrium
+_LOOSENED = 0.1  # what a correction that served leaves of the springs
 
 
 class UnbalancedError(GarmentError):
@@ -46,8 +49,13 @@ class Equilibrium:
         self._still = np.zeros((cloth.particle_count, 3))
         self._sliders = forces.slack()
         self._factor: Any = None
-        self._stiffness = csr_array((0, 0))
-        self._stiffest = self._first_anchor = 0.0
+        self._stiffest = 0.0
+        # the tangent as compressed rows: entries come coordinate by coordinate, `order` puts them in place
+        rows = np.concatenate([3 * self._row + other for _ in axes for other in axes])
+        columns = np.concatenate([3 * self._column + axis for axis in axes for _ in axes])
+        self._order = np.lexsort((columns, rows))
+        self._columns = columns[self._order]
+        self._starts = np.searchsorted(rows[self._order], np.arange(3 * cloth.particle_count + 1))
 
     def forces(self, positions: np.ndarray) -> np.ndarray:
         """Force (P,3) [N] of the cloth on each particle; where a clamp holds, minus the reaction."""
@@ -76,76 +84,74 @@ class Equilibrium:
                 moved[group, axis] = positions[group, axis] - step
                 change[number, k] = (ahead - self.forces(moved)) / (2.0 * step)
                 moved[group, axis] = positions[group, axis]
-        values, rows, columns = [], [], []
-        for k, axis in enumerate(self._axes):
-            for other in self._axes:
-                values.append(change[group_of[self._column], k, self._row, other])
-                rows.append(3 * self._row + other)
-                columns.append(3 * self._column + axis)
+        values = [change[group_of[self._column], k, self._row, other] for k in range(len(self._axes)) for other in self._axes]
         size = 3 * len(positions)
-        return csr_array((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=(size, size))
+        return csr_array((np.concatenate(values)[self._order], self._columns, self._starts), shape=(size, size))
 
     def solve(self, given: np.ndarray, modes: csr_array, unknowns: np.ndarray, load: np.ndarray | float = 0.0) -> np.ndarray:
-        """The unknowns (N,) in equilibrium, from a guess; given (P,3) m, modes (3P,N), load (N,) N on the unknowns. UnbalancedError where there is none."""
-        largest_force = 0.0
+        """The unknowns (N,) in equilibrium, from a guess; given (P,3) m, modes (3P,N), load (N,) N on the unknowns. UnbalancedError where there is none.
+
+        A correction goes as far as the forces do work along it. Forces have a potential while sliders stay where `keep` left them, so that this ends in a
+        stable equilibrium, and sliders that hold and slip by turns cannot send it around in circles.
+        """
 
         def residual(q: np.ndarray) -> np.ndarray:
-            nonlocal largest_force
-            forces = self.forces(given + (modes @ q).reshape(-1, 3))
-            largest_force = float(np.abs(forces).max())
-            return np.asarray(modes.T @ forces.ravel() + load)
+            return np.asarray(modes.T @ self.forces(given + (modes @ q).reshape(-1, 3)).ravel() + load)
 
-        q, before, anchor, largest = unknowns.copy(), np.inf, self._first_anchor, 0.0
+        # an old tangent serves a first correction that it finds short
+        q, anchor, before = unknowns.copy(), 0.0, _LONGEST * self._spacing / _KEPT
         left = residual(q)
-        fresh = self._factor is None or self._factor.shape[0] != len(q) or anchor > 0.0
+        fresh = self._factor is None or self._factor.shape[0] != len(q)
         if fresh:
-            self._refresh(given, modes, q)
-            self._factorise(anchor)
+            self._refresh(given, modes, q, anchor)
         for _ in range(_MOST_CORRECTIONS):
             step = self._factor.solve(left)
             size = float(np.abs(step).max(initial=0.0))
             if not fresh and not size < _KEPT * before:
-                self._refresh(given, modes, q)
-                self._factorise(anchor)
+                self._refresh(given, modes, q, anchor)
+                fresh = True
                 step = self._factor.solve(left)
                 size = float(np.abs(step).max(initial=0.0))
-            if not np.isfinite(size):
-                break
-            part = min(1.0, _LONGEST * self._spacing / max(size, 1e-300))
-            ahead = residual(q + part * step)
-            # natural monotonicity (Deuflhard): the next correction by the same tangent must be smaller
-            most = size if anchor > 0.0 else (1.0 - 0.25 * part) * size
-            good = size < _CONVERGED * self._spacing or float(np.abs(self._factor.solve(ahead)).max()) <= most
-            if not good:
-                # springs to where the particles are: shorter corrections, along the forces where the tangent misleads
-                if not fresh:
-                    self._refresh(given, modes, q)
+            if size < _CONVERGED * self._spacing and anchor == 0.0:
+                return q + step
+            work = float(left @ step)
+            if not (np.isfinite(size) and work > 0.0):
                 anchor = max(10.0 * anchor, _ANCHOR * self._stiffest)
-                self._factorise(anchor)
-                before, fresh = np.inf, True
+                if not (np.isfinite(anchor) and anchor < self._stiffest):
+                    break
+                self._refresh(given, modes, q, anchor)
+                fresh, before = True, np.inf
                 continue
-            q, left, before, fresh = q + part * step, ahead, size, False
-            if float(np.abs(left).max(initial=0.0)) < _BALANCED * largest_force:
-                self._first_anchor = max(largest, anchor)  # the next state will want about the same
-                return q
-            if anchor > 0.0:
-                largest = max(largest, anchor)
-                anchor, before = (_LOOSENED * anchor if anchor > _ANCHOR * self._stiffest else 0.0), 0.0
-            elif part < 1.0:
-                before = 0.0
-            elif size < _CONVERGED * self._spacing:
-                self._first_anchor = largest
-                return q
+            whole = min(1.0, _LONGEST * self._spacing / max(size, 1e-300))
+            part, left = _along(residual, q, step, whole, work)
+            q = q + part * step
+            before, fresh = (size if part == 1.0 and anchor == 0.0 else 0.0), False
+            anchor = _LOOSENED * anchor if _LOOSENED * anchor > _ANCHOR * self._stiffest else 0.0
         raise UnbalancedError(f"a specimen of {len(given)} particles finds no equilibrium: the last correction was {size:.2g} m")
 
-    def _refresh(self, given: np.ndarray, modes: csr_array, q: np.ndarray) -> None:
-        """Take minus the tangent of the residual anew."""
-        self._stiffness = -(modes.T @ self.tangent(given + (modes @ q).reshape(-1, 3)) @ modes)
-        self._stiffest = float(np.abs(self._stiffness.diagonal()).max())
+    def _refresh(self, given: np.ndarray, modes: csr_array, q: np.ndarray, anchor: float) -> None:
+        """Take minus the tangent of the residual anew, with springs of `anchor` N/m on every unknown, and factorise it."""
+        stiffness = -(modes.T @ self.tangent(given + (modes @ q).reshape(-1, 3)) @ modes)
+        self._stiffest = float(np.abs(stiffness.diagonal()).max())
+        held = csc_array(stiffness + anchor * eye_array(len(q)))
+        self._factor = splu(held, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=_PIVOT, options={"SymmetricMode": True})
 
-    def _factorise(self, anchor: float) -> None:
-        """With springs of `anchor` N/m on every unknown."""
-        self._factor = splu(csc_array(self._stiffness + anchor * eye_array(self._stiffness.shape[0])))
+
+def _along(residual: Callable[[np.ndarray], np.ndarray], q: np.ndarray, step: np.ndarray, whole: float, work: float) -> tuple[float, np.ndarray]:
+    """How much of a step serves, at most `whole` of it, and the residual there. work: of the residual along the step where it begins, > 0."""
+    low, at_low, high, at_high, part = 0.0, work, 0.0, 0.0, whole
+    for _ in range(_MOST_LOOKS):
+        left = residual(q + part * step)
+        now = float(left @ step)
+        if abs(now) <= _LEFT * work or (now > 0.0 and part == whole):
+            break
+        if now > 0.0:
+            low, at_low = part, now
+        else:
+            high, at_high = part, now
+        # between the two ends by the secant, and not too near to either
+        part = low + (high - low) * min(max(at_low / (at_low - at_high), 0.1), 0.9)
+    return part, left
 
 
 def _felt(cloth: Cloth) -> csr_array:

@@ -34,8 +34,9 @@ class Record(NamedTuple):
 TESTERS = (*(KesTester(kind, way) for kind in ("tension", "shear") for way in ("warp", "weft")), *(KesTester("bending", way) for way in ANGLES))
 
 
-def run_tester(tester: KesTester, sheet: KesSheet, materials: MaterialTable, grid_mm: float, shift: float = 0.0) -> Record:
-    """One test of the fabric in row 0 of `materials`; Fm and the window of G are those of the sheet. shift: of the lattice, in spacings."""
+def run_tester(tester: KesTester, sheet: KesSheet, materials: MaterialTable, grid_mm: float, shift: float = 0.0, sides: int = 2) -> Record:
+    """One test of the fabric in row 0 of `materials`; Fm and the window of G are those of the sheet. shift: of the lattice, in spacings. sides: to which shear
+    and bending go; virtual cloth has the same behaviour on both, so that 1 is enough where nobody wants to see the loop."""
     angle = ANGLES[tester.way]
     origin = (shift * grid_mm, shift * grid_mm) if shift else None
     branches: tuple[Branch, ...]
@@ -43,13 +44,13 @@ def run_tester(tester: KesTester, sheet: KesSheet, materials: MaterialTable, gri
         branches = tension_test(materials, angle, grid_mm, sheet.number("Fm"), origin)
         printed = printed_tension(*branches)
     elif tester.kind == "shear":
-        branches = shear = shear_test(materials, angle, grid_mm, origin)
-        printed = printed_shear(shear, sheet.shear_window_deg)
+        loop = shear_test(materials, angle, grid_mm, origin, sides)
+        branches, printed = loop.branches(), printed_shear(loop, sheet.shear_window_deg)
     else:
         # Off the grain the lattice resolves curvatures at which internal friction still holds: what the tester prints there is B of the elastic fabric.
         off_grain = tester.way == "bias"
-        branches = bending = bending_test(without_friction(materials) if off_grain else materials, angle, grid_mm, shift)
-        printed = printed_bending(bending)
+        loop = bending_test(without_friction(materials) if off_grain else materials, angle, grid_mm, shift, sides)
+        branches, printed = loop.branches(), printed_bending(loop)
         if off_grain:
             del printed["2HB"]
     return Record(branches, {f"{name}.{tester.way}": value for name, value in printed.items()})

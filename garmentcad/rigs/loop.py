@@ -35,17 +35,25 @@ class Branch(NamedTuple):
 
 
 class Loop(NamedTuple):
-    """A specimen deformed to one side and back, then to the other side and back. The other side is recorded with its signs."""
+    """A specimen deformed to one side and back, then to the other side and back, which may be left out. The other side is recorded with its signs."""
 
     out: Branch
     back: Branch
-    out_other: Branch
-    back_other: Branch
+    out_other: Branch | None = None
+    back_other: Branch | None = None
 
     def slope(self, window: tuple[float, float]) -> float:
-        """Mean slope of both ways out."""
-        return 0.5 * (self.out.slope(window) + self.out_other.slope((-window[1], -window[0])))
+        """Mean slope of the ways out."""
+        slope = self.out.slope(window)
+        return slope if self.out_other is None else 0.5 * (slope + self.out_other.slope((-window[1], -window[0])))
 
     def width(self, at: float) -> float:
         """Mean distance of way out and way back at a deformation of either sign."""
-        return 0.5 * (self.out.at(at) - self.back.at(at) + self.back_other.at(-at) - self.out_other.at(-at))
+        width = self.out.at(at) - self.back.at(at)
+        if self.out_other is None or self.back_other is None:
+            return width
+        return 0.5 * (width + self.back_other.at(-at) - self.out_other.at(-at))
+
+    def branches(self) -> tuple[Branch, ...]:
+        """Those that were recorded, in order."""
+        return tuple(branch for branch in self if branch is not None)

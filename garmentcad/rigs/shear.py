@@ -8,6 +8,7 @@ is left.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -18,11 +19,11 @@ from garmentcad.units import GF_CM_TO_N_M, MM_TO_M
 
 WIDTH_MM, GAUGE_MM = 200.0, 50.0
 TENSION_GF_CM = 10.0
-LARGEST_DEG, STEP_DEG = 8.0, 0.5
+ANGLES_DEG = (0.0, 0.25, 0.5, 1.0, 1.5, 2.5, 3.5, 5.0, 6.5, 8.0)  # where a record has its points, those among them that values are read at
 
 
-def shear_test(materials: MaterialTable, angle_deg: float, grid_mm: float, origin_mm: tuple[float, float] | None = None) -> Loop:
-    """Shear angle [deg] and force [gf/cm] over a whole cycle."""
+def shear_test(materials: MaterialTable, angle_deg: float, grid_mm: float, origin_mm: tuple[float, float] | None = None, sides: int = 2) -> Loop:
+    """Shear angle [deg] and force [gf/cm] over a whole cycle; sides: 1 for its first half."""
     specimen = Specimen(materials, WIDTH_MM, GAUGE_MM, grid_mm, angle_deg, origin_mm, stays_flat=True)
     lower, upper = specimen.ends
     modes = specimen.modes([lower, upper], [(upper, 1)])
@@ -32,10 +33,10 @@ def shear_test(materials: MaterialTable, angle_deg: float, grid_mm: float, origi
     unknowns = specimen.balance.solve(specimen.rest, modes, np.zeros(len(load)), load)
     leaning = 0.0
 
-    def branch(start: float, stop: float) -> Branch:
+    def branch(angles: Iterable[float]) -> Branch:
         nonlocal unknowns, leaning
         points = []
-        for degrees in np.linspace(start, stop, round(abs(stop - start) / STEP_DEG) + 1):
+        for degrees in angles:
             tangent = math.tan(math.radians(degrees))
             # the guess: every particle goes along with the line between the clamps
             along = specimen.rest[:, 1:2] * np.array([[1.0, 0.0, 0.0]])
@@ -49,7 +50,9 @@ def shear_test(materials: MaterialTable, angle_deg: float, grid_mm: float, origi
             points.append((math.degrees(math.atan(sheared)), reaction[0] - reaction[1] * sheared))
         return Branch(*np.array(points).T)
 
-    return Loop(branch(0.0, LARGEST_DEG), branch(LARGEST_DEG, 0.0), branch(0.0, -LARGEST_DEG), branch(-LARGEST_DEG, 0.0))
+    rising = np.array(ANGLES_DEG)
+    ways = (rising, rising[::-1], -rising, -rising[::-1])
+    return Loop(*(branch(way) for way in ways[: 2 * sides]))
 
 
 def _in_modes(modes, displacement: np.ndarray) -> np.ndarray:  # type: ignore[no-untyped-def]

@@ -16,7 +16,7 @@ from garmentcad.rigs.specimen import Specimen
 from garmentcad.units import GF_CM_TO_N_M, MM_TO_M
 
 WIDTH_MM, GAUGE_MM = 200.0, 50.0
-POINTS = 32  # on each way
+POINTS = 16  # on each way
 
 
 def tension_test(
