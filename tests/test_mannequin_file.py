@@ -46,6 +46,43 @@ def test_scan_of_a_known_body_measures_alike(tmp_path):
     assert scan.vertices[:, 1].min() == pytest.approx(0, abs=1e-12)
 
 
+def test_scan_with_holes_and_known_heights(tmp_path):
+    """A scan without soles and crown, in cm, with the heights that somebody measured on the body: girths are those of the body in these planes."""
+    known = read_mannequin("woman-104")
+    middle = known.vertices[known.faces].mean(axis=1)[:, 1]
+    faces = known.faces[(middle > 0.004) & (middle < known.vertices[:, 1].max() - 0.02)]
+    trimesh.Trimesh(100 * known.vertices, faces, process=False).export(tmp_path / "scan.obj")
+    levels = ("bust", "waist", "hip", "crotch", "nape")
+    heights = {level: known.measurements_mm[f"{level}_height"] for level in levels}
+    text = "schema: 1\nunits: mm\nscan: scan.obj\nunit: cm\nheights: {" + ", ".join(f"{level}: {height:.2f}" for level, height in heights.items()) + "}\n"
+    scan = read_mannequin(written(tmp_path, text))
+    lost = known.measurements_mm["stature"] - scan.measurements_mm["stature"]
+    assert 0 < lost < 40
+    assert sum("hole" in repair for repair in scan.repairs) >= 3
+    for level in ("bust", "waist", "hip"):
+        assert scan.measurements_mm[level] == pytest.approx(known.measurements_mm[level], rel=0.015)  # the soles are gone: planes lie a little lower
+        assert f"{level}_height" not in scan.estimated
+    assert "knee_height" in scan.estimated
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (("heights: {waist: 1050}", "heights: {waste: 1050}"), "waist"),
+        (("waist: 1050", "waist: 400"), "heights of body lines rise"),
+        (("scan: scan.obj", "scan: ../scan.obj"), "scan"),
+        (("unit: cm", "unit: ell"), "unit"),
+        (("unit: cm", "colour: red"), "unknown key"),
+    ],
+)
+def test_faults_in_what_is_known_of_a_scan(tmp_path, change, said):
+    known = read_mannequin("woman-88")
+    trimesh.Trimesh(100 * known.vertices, known.faces, process=False).export(tmp_path / "scan.obj")
+    text = "schema: 1\nunits: mm\nscan: scan.obj\nunit: cm\nheights: {waist: 1050}\n"
+    with pytest.raises(GarmentError, match=said):
+        read_mannequin(written(tmp_path, text.replace(*change)))
+
+
 def test_scan_that_is_no_body_is_refused(tmp_path):
     path = tmp_path / "egg.obj"
     trimesh.creation.icosphere(subdivisions=3, radius=0.8).export(path)

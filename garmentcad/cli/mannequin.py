@@ -32,10 +32,12 @@ def show(
 
     body = read_mannequin(name)
     if as_json:
-        print(json.dumps({"mannequin": body.name, "measurements_mm": body.measurements_mm, "estimated": list(body.estimated)}))
+        print(json.dumps({"mannequin": body.name, "measurements_mm": body.measurements_mm, "estimated": list(body.estimated), "repairs": list(body.repairs)}))
         return
     for key, value in sorted(body.measurements_mm.items()):
         print(f"{key:20} {value:8.1f} mm{'  (not measured on this body)' if key in body.estimated else ''}")
+    for repair in body.repairs:
+        print(repair)
 
 
 @app.command("make")

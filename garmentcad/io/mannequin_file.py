@@ -6,9 +6,10 @@ import functools
 import zipfile
 from dataclasses import fields
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
+from pydantic import Field
 
 from garmentcad.arrays import frozen
 from garmentcad.errors import FileError, MannequinError, did_you_mean
@@ -22,6 +23,22 @@ from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.mannequin.pads import ShoulderPads
 from garmentcad.mannequin.pose import ARM_ANGLE_DEG
 from garmentcad.mannequin.scan import mannequin_of_scan
+from garmentcad.pattern.model import Model
+from garmentcad.pattern.parse import parse_model
+
+BodyLine = Literal["knee", "crotch", "hip", "waist", "bust", "armpit", "shoulder", "neck_front", "nape"]
+
+
+class ScanSpec(Model):
+    """A body scan with what is known of it. unit: of its numbers; heights: of body lines above the floor, mm, in place of those by proportion."""
+
+    schema_version: Literal[1] = Field(default=1, alias="schema")
+    units: Literal["mm"] = "mm"
+    scan: Annotated[str, Field(pattern=r"^[^/\\]+\.(obj|ply|stl|glb)$")]
+    description: str = ""
+    unit: Literal["m", "dm", "cm", "inch", "mm"] | None = None
+    heights: dict[BodyLine, float] = Field(default_factory=dict)
+
 
 _KEYS = {"schema", "units", "kind", "description", "source", "measurements", "arm_angle", "shoulder_pads", "form"}
 
@@ -45,19 +62,25 @@ def read_mannequin(name_or_path: str | Path) -> Mannequin:
     text = str(name_or_path)
     suffix = Path(text).suffix.lower()
     if suffix in MESH_ENDINGS:
-        vertices, faces = read_mesh(text)
-        try:
-            return mannequin_of_scan(vertices, faces, name=Path(text).stem)
-        except MannequinError as fault:
-            raise MannequinError(fault.message, file=text, key=fault.key) from None
+        return _scanned(ScanSpec(scan=Path(text).name), text)
     if suffix not in (".yaml", ".yml", "") or (suffix == "" and "/" in text):
         raise FileError(f"the ending {suffix!r} is not that of a mannequin; allowed: .yaml, {', '.join(MESH_ENDINGS)}", file=text)
     path = Path(text) if suffix else shipped_file("mannequins", text)
     data = read_yaml(path)
+    if isinstance(data, dict) and "scan" in data:
+        return _scanned(parse_model(ScanSpec, data, text), text)
     try:
         return mannequin_of(checked_spec(mannequin_of_body(data) if is_garmentcode_body(data) else data, text), path.stem)
     except MannequinError as fault:
         raise MannequinError(fault.message, file=text, key=fault.key) from None
+
+
+def _scanned(spec: ScanSpec, file: str) -> Mannequin:
+    try:
+        vertices, faces, notes = read_mesh(Path(file).parent / spec.scan, spec.unit)
+        return mannequin_of_scan(vertices, faces, name=Path(file).stem, heights_mm=spec.heights, repairs=notes)
+    except MannequinError as fault:
+        raise MannequinError(fault.message, file=file, key=fault.key) from None
 
 
 def mannequin_of(spec: dict[str, Any], name: str) -> Mannequin:

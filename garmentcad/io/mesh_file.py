@@ -12,6 +12,8 @@ from scipy.sparse.csgraph import connected_components
 
 from garmentcad.arrays import floats, frozen, indices
 from garmentcad.errors import MeshError
+from garmentcad.geometry.intersection import crossing_triangle_pairs
+from garmentcad.geometry.repair import repaired
 from garmentcad.io.yaml_file import read_bytes
 
 MESH_ENDINGS = (".obj", ".ply", ".stl", ".glb")
@@ -23,12 +25,13 @@ UNITS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "inch": 0.0254, "mm": 0.001}
 _STL_HEAD, _STL_FACET = 84, 50  # bytes
 
 
-def read_mesh(path: str | Path, unit: str | None = None) -> tuple[np.ndarray, np.ndarray]:
-    """The one closed surface in a mesh file: vertices (V,3) float64 in m and faces (F,3) int32, counter-clockwise from outside; y is up.
+def read_mesh(path: str | Path, unit: str | None = None) -> tuple[np.ndarray, np.ndarray, tuple[str, ...]]:
+    """The one closed surface in a mesh file: vertices (V,3) float64 in m and faces (F,3) int32, counter-clockwise from outside; y is up. And what was repaired.
 
-    unit: one of UNITS; None takes the one (m, cm or mm) that makes the height that of a body (0.5 to 2.5 m). Vertices at the same place are joined.
+    unit: one of UNITS; None takes the one (m, cm or mm) that makes the height that of a body (0.5 to 2.5 m). Vertices at the same place are joined; small
+    holes, stray pieces and turned faces are repaired (geometry/repair.py).
     MeshError when the file holds no mesh, lies about its size, has values that are not finite, more than MAX_FACES faces, is not closed, holds several
-    pieces, or is no body by its height. FileError when it cannot be read.
+    pieces, or is no body by its height; where the repaired surface crosses itself. FileError when it cannot be read.
     """
     file = str(path)
     ending = Path(path).suffix.lower()
@@ -41,7 +44,10 @@ def read_mesh(path: str | Path, unit: str | None = None) -> tuple[np.ndarray, np
     vertices, faces = _load(raw, ending, file)
     _check_arrays(vertices, faces, file)
     vertices, faces = _joined(vertices, faces)
+    vertices, faces, notes = repaired(vertices, faces)
     _check_surface(vertices, faces, file)
+    if notes and len(crossings := crossing_triangle_pairs(floats(vertices), indices(faces))):
+        raise MeshError(f"repaired ({'; '.join(notes)}), the surface crosses itself in {len(crossings)} pairs of faces; repair the scan", file=file)
     height = float(np.ptp(vertices[:, 1]))
     scale = UNITS[unit] if unit is not None else _unit_for(height, file)
     if not MIN_STATURE_M <= scale * height <= MAX_STATURE_M:
@@ -49,7 +55,7 @@ def read_mesh(path: str | Path, unit: str | None = None) -> tuple[np.ndarray, np
     a, b, c = (vertices[faces[:, corner]] for corner in range(3))
     if (np.cross(a, b) * c).sum() < 0.0:  # six times the volume: the faces look inward
         faces = faces[:, ::-1]
-    return frozen(floats(scale * vertices)), frozen(indices(faces))
+    return frozen(floats(scale * vertices)), frozen(indices(faces)), notes
 
 
 def _check_claims(raw: bytes, ending: str, file: str) -> None:

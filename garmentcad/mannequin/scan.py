@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -11,7 +13,7 @@ from garmentcad.errors import MannequinError
 from garmentcad.mannequin.cylinder import enclosing, on_floor
 from garmentcad.mannequin.mannequin import ArrangementCylinder, Mannequin
 from garmentcad.mannequin.tape import cut, tape
-from garmentcad.units import M_TO_MM
+from garmentcad.units import M_TO_MM, MM_TO_M
 
 PART_NAMES = ("torso", "arm_left", "arm_right", "leg_left", "leg_right", "head")
 _UP, _FRONT = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
@@ -22,15 +24,22 @@ _SHOULDER_X, _ARMPIT_X, _NECK_X = 0.108, 0.100, 0.060
 _BACK_WIDTH, _CHEST_FRONT = 0.39, 0.37  # of the bust
 
 
-def mannequin_of_scan(vertices: np.ndarray, faces: np.ndarray, *, name: str) -> Mannequin:
+def mannequin_of_scan(
+    vertices: np.ndarray, faces: np.ndarray, *, name: str, heights_mm: Mapping[Any, float] | None = None, repairs: tuple[str, ...] = ()
+) -> Mannequin:
     """The mannequin of a closed scan: vertices (V,3) m, y up, facing +z, arms away from the body, legs apart; it is moved to the floor and to x = 0.
 
     `estimated` names what rests on proportions: all landmarks but waist and hip, all heights and lengths. Girths are taped in those planes.
+    heights_mm: of body lines above the floor, in place of those by proportion; repairs: what was done to the surface.
     MannequinError when a plane misses the body (not a standing body with two legs and two arms).
     """
     points = vertices - [0.0, vertices[:, 1].min(), 0.0]
     stature = float(points[:, 1].max())
-    heights = {level: share * stature for level, share in _SHARES.items()}
+    given = {} if heights_mm is None else {level: MM_TO_M * height for level, height in heights_mm.items()}
+    heights = {level: share * stature for level, share in _SHARES.items()} | given
+    if [*heights.values()] != sorted(heights.values()):
+        said = ", ".join(f"{level} {M_TO_MM * height:.0f}{'' if level in given else ' by proportion'}" for level, height in heights.items())
+        raise MannequinError(f"heights of body lines rise in this order: {said} mm do not", key="heights")
     ring = cut(points, faces, heights["waist"] * _UP, _UP).points
     if len(ring) < 3:
         raise MannequinError("there is no body at waist height")
@@ -57,7 +66,9 @@ def mannequin_of_scan(vertices: np.ndarray, faces: np.ndarray, *, name: str) -> 
         cylinders=_cylinders(points, faces, part, marks, heights),
         part_names=PART_NAMES,
         face_part=frozen(indices(part)),
-        estimated=tuple(key for key in measured if key not in girths) + tuple(key for key in marks if not key.startswith(("waist", "hip"))),
+        repairs=repairs,
+        estimated=tuple(key for key in measured if key not in girths and key.removesuffix("_height") not in given)
+        + tuple(key for key in marks if not key.startswith(("waist", "hip"))),
     )
 
 

@@ -82,7 +82,7 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
             "damping_work": None,  # drape mode changes masses and stiffness on the way: its damping is no energy of the cloth
         },
         uncalibrated=not all(is_calibrated(completed.sheet) for completed in job.fabrics.values()),
-        warnings=(*outcome.warnings, *findings),
+        warnings=(*outcome.warnings, *(f"mannequin {body.name}: {repair}" for repair in body.repairs), *findings),
     )
     roles = edge_roles(job.pattern)
     if finite:

@@ -1,0 +1,91 @@
+"""Every shipped garment on bodies from small to large in three fabrics: does it come to rest clean, and does its ease stay what it was drafted with?
+
+`python -m tools.wardrobe_study [--minutes 30] [TEXT]` runs cases (with TEXT in their name) that have no row yet, for as long, and writes
+docs/studies/wardrobe.md. Breadth first: the first fabric of every garment on every body, then the next one.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from garmentcad import __version__
+from garmentcad.export.drape import finish
+from garmentcad.io.shipped import shipped_names
+from garmentcad.simulation.job import make_job
+from garmentcad.simulation.study import StudyCase, StudyRun, run_study, write_study_table
+
+ROOT = Path(__file__).resolve().parent.parent
+FOLDER = ROOT / "docs" / "studies"
+GRID_MM = 20.0
+WOMEN = ("woman-88", "woman-80", "woman-104", "woman-116")
+MEN = ("man-100", "man-92", "man-116")
+FABRICS = {
+    "flared-skirt": ("wool-suiting", "cotton-shirting", "silk-habotai"),
+    "knit-top": ("interlock-knit", "ponte-roma", "stretch-twill"),
+    "pleated-skirt": ("wool-suiting", "wool-tropical", "polyester-tropical"),
+    "sheath-dress": ("wool-dress", "cotton-shirting", "polyester-satin"),
+    "shirt": ("cotton-shirting", "polycotton-twill", "silk-habotai"),
+    "straight-skirt": ("wool-suiting", "cotton-shirting", "denim-lightweight"),
+    "t-shirt": ("interlock-knit", "cotton-shirting", "wool-suiting"),
+    "trousers": ("wool-suiting", "polycotton-trousering", "denim"),
+    "wrap-skirt": ("wool-suiting", "cotton-shirting", "viscose-lining"),
+}
+BODIES = {"t-shirt": WOMEN + MEN, "trousers": WOMEN + MEN, "shirt": MEN, "knit-top": WOMEN + MEN}
+KEPT = ("status", "particles", "steps", "simulated_time_s", "seam_gap_mm", "mannequin_penetration_mm", "self_intersections", "mannequin_intersections",
+        "pattern_ease_mm", "ease_mm", "hem_height_mm", "waist_drop_mm", "armhole_to_shoulder_mm", "state_sha256", "warnings")  # fmt: skip
+COLUMNS = {
+    "case": "case", "status": "status", "particles": "particles", "steps": "steps", "self x": "self_intersections", "body x": "mannequin_intersections",
+    "penetration mm": "mannequin_penetration_mm.max:.2f", "seam gap mm": "seam_gap_mm.max:.2f", "ease bust mm": "ease_mm.bust:.0f",
+    "ease waist mm": "ease_mm.waist:.0f", "ease hip mm": "ease_mm.hip:.0f", "waist drop mm": "waist_drop_mm:.1f", "hem mm": "hem_height_mm:.0f",
+}  # fmt: skip
+
+
+def cases() -> list[StudyCase]:
+    """All cases of garments that are there."""
+    found = []
+    for choice in range(3):
+        for garment in shipped_names("patterns"):
+            for body in BODIES.get(garment, WOMEN):
+                fabric = FABRICS[garment][choice]
+                job = make_job(garment, fabric, body, grid_mm=GRID_MM)
+                found.append(StudyCase(f"{garment} {fabric} {body}", job.spec_sha256, fabric, body, __version__, {"garment": garment, "grid_mm": GRID_MM}))
+    return found
+
+
+def run_case(case: StudyCase) -> Mapping[str, Any]:
+    """One drape."""
+    job = make_job(case.parameters["garment"], case.fabric, case.mannequin, grid_mm=GRID_MM)
+    result, _ = finish(job, lambda progress: None, ROOT / "out" / "wardrobe" / case.name.replace(" ", "-"))
+    return {name: result.report[name] for name in KEPT}
+
+
+def main() -> None:
+    """Run the study and write its page."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--minutes", type=float, default=1e9)
+    parser.add_argument("only", nargs="?")
+    options = parser.parse_args()
+    end = time.monotonic() + 60.0 * options.minutes
+    whole = cases()
+    study = StudyRun((), (), {})
+    for case in whole:
+        if time.monotonic() > end:
+            break
+        if options.only is None or options.only in case.name:
+            one = run_study("wardrobe", [case], run_case, FOLDER, say=print)
+            study.failed.update(one.failed)
+    rows = run_study("wardrobe", whole, run_case, FOLDER, only="\0").rows
+    clean = sum(row["status"] == "converged" for row in rows)
+    title = f"The wardrobe at {GRID_MM:g} mm: {len(rows)} of {len(whole)} cases run, {clean} of them at rest without an intersection or a penetration"
+    write_study_table(FOLDER / "wardrobe.md", title, rows, COLUMNS, "python -m tools.wardrobe_study")
+    for name, message in study.failed.items():
+        print(f"refused: {name}: {message}", file=sys.stderr)
+
+
+if __name__ == "__main__":
+    main()
