@@ -192,6 +192,12 @@ def test_seams_join_points_that_meet_on_the_body(garment: str) -> None:
             assert a.endswith("_m") != b.endswith("_m") or garment != "t-shirt" or seam.name.startswith(("underarm", "armhole")), seam.name
 
 
+@pytest.mark.parametrize("mannequin", ["woman-100", "woman-104", "man-120"])
+def test_t_shirt_starts_free_on_large_bodies(mannequin: str) -> None:
+    """Sleeves once crossed the body panels where the shoulders are wide, and the chest came through the front."""
+    assert [str(finding) for finding in examine(shipped_file("patterns", "t-shirt"), mannequin, 20.0) if finding.severity == "error"] == []
+
+
 @pytest.mark.parametrize(("garment", "mannequin"), [(garment, body) for garment, body in WORN if body in ("woman-88", "man-100")])
 def test_the_doctor_finds_nothing(garment: str, mannequin: str) -> None:
     """Seams, outlines, fabrics and the start positions around the body."""
