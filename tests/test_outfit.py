@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from garment_band import BAND, band_spec
 
+from garmentcad.check.examine import examine
 from garmentcad.cloth.lattice import build_cloth
 from garmentcad.cloth.weld import weld, weld_seams
 from garmentcad.errors import GarmentError, InputError
@@ -122,3 +123,11 @@ def test_shipped_outfits_read(name: str) -> None:
     read = read_worn(shipped_file("outfits", name))
     assert isinstance(read, tuple)
     assert isinstance(read[0], OutfitSpec)
+
+
+def test_the_doctor_looks_at_every_garment(folder: Path) -> None:
+    assert [finding for finding in examine(folder / "outfit.yaml", grid_mm=10.0) if finding.severity == "error"] == []
+    (folder / "belt.yaml").write_text((folder / "belt.yaml").read_text().replace("front.right.c, front.right.b", "front.right.b, front.right.c"))
+    found = [finding for finding in examine(folder / "outfit.yaml", grid_mm=10.0) if finding.severity == "error"]
+    assert {finding.file for finding in found} == {str(folder / "belt.yaml")}
+    assert "seam-twisted" in {finding.code for finding in found}

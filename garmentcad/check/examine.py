@@ -15,8 +15,9 @@ from garmentcad.errors import InputError
 from garmentcad.fabric.material import material_row, material_table
 from garmentcad.io.fabric_file import load_fabric
 from garmentcad.io.mannequin_file import read_mannequin
+from garmentcad.io.outfit_file import read_worn
 from garmentcad.io.shipped import resolve_reference
-from garmentcad.io.spec_file import read_spec, spec_folder, spec_path
+from garmentcad.io.spec_file import spec_folder
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.draft import draft_errors
 from garmentcad.pattern.pattern import Pattern, named_fabrics
@@ -25,14 +26,17 @@ from garmentcad.placement.place import place_vertices
 
 
 def examine(spec: str | Path | GarmentSpec, mannequin: str | None = None, grid_mm: float = 10.0) -> list[Finding]:
-    """All findings on a garment, errors first. spec: a shipped name, a file or a model; mannequin: in place of the spec's.
+    """All findings on a garment, or on every garment of an outfit, errors first. spec: a shipped name, a file or a model; mannequin: in place of the spec's.
 
     Input that cannot be read at all is a finding too, not an exception. Panels are placed only when they have no errors of their own.
     """
     try:
-        if not isinstance(spec, GarmentSpec):
-            spec = read_spec(spec_path(spec))
-        folder = spec_folder(spec)
+        read = spec if isinstance(spec, GarmentSpec) else read_worn(spec)
+        if not isinstance(read, GarmentSpec):
+            outfit, garments = read
+            worn_by = mannequin if mannequin is not None else str(resolve_reference(outfit.mannequin, "mannequins", spec_folder(outfit)))
+            return worst_first([finding for garment in garments for finding in examine(garment, worn_by, grid_mm)])
+        spec, folder = read, spec_folder(read)
         body = read_mannequin(mannequin if mannequin is not None else resolve_reference(spec.mannequin, "mannequins", folder))
     except InputError as error:
         return [refusal(error)]
