@@ -65,6 +65,7 @@ def test_worn_over_each_other(folder: Path) -> None:
         np.unique(cloth.vertex_particle[np.isin(cloth.vertex_panel, [k for k, panel in enumerate(cloth.panel_names) if panel.startswith(name)])])
         for name in ("band", "belt")
     ]
+    assert [np.unique(cloth.particle_layer[chosen]).tolist() for chosen in worn] == [[0], [1]]  # pictures color them apart
     axis = positions[worn[0]].mean(axis=0)
 
     def polar(chosen: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -152,11 +152,20 @@ class Cloth:
     seam_bend_factor: np.ndarray = field(default_factory=lambda: np.zeros(0))  # (seams,)
     folds: Folds = field(default_factory=no_folds)
     fold_names: tuple[str, ...] = ()  # "panel.fold"
+    panel_layer: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=np.int32))  # (panels,) int32 from the body outward; none: all 0
 
     @property
     def particle_triangles(self) -> np.ndarray:
         """(F,3) int32 triangles in particle indices."""
         return self.vertex_particle[self.triangles]
+
+    @property
+    def particle_layer(self) -> np.ndarray:
+        """(P,) int32 the outermost layer of the panels that a particle belongs to."""
+        found = np.zeros(self.particle_count, dtype=np.int32)
+        if len(self.panel_layer):
+            np.maximum.at(found, self.vertex_particle, self.panel_layer[self.vertex_panel])
+        return found
 
     @property
     def particle_count(self) -> int:

@@ -106,6 +106,7 @@ def build_cloth(
         seam_bend_factor=frozen(floats([seam.bend_factor for seam in pattern.seams])),
         folds=_join_folds(parts),
         fold_names=tuple(f"{name}.{fold.name}" for name, panel in pattern.panels.items() for fold in panel.folds),
+        panel_layer=frozen(indices([panel.layer for panel in pattern.panels.values()])),
     )
 
 

@@ -40,8 +40,9 @@ class Look(NamedTuple):
 
 BACKGROUND = ((0.965, 0.96, 0.95), (0.88, 0.88, 0.885))  # bottom, top
 BODY = (0.80, 0.80, 0.81)
-RIGHT_SIDE = (0.88, 0.60, 0.46)
-WRONG_SIDE = (0.78, 0.54, 0.43)
+# Right sides of the cloth from the innermost layer outward, over and over; wrong sides are a little darker.
+RIGHT_SIDES = ((0.88, 0.60, 0.46), (0.52, 0.63, 0.74), (0.66, 0.68, 0.50), (0.74, 0.58, 0.68))
+WRONG_SIDE = 0.89
 SEAM = (0.27, 0.14, 0.09)
 HEM = (0.42, 0.22, 0.14)
 HEM_PX, SEAM_PX = 1.5, 2.0  # in a picture of HEIGHT_PX
@@ -158,7 +159,8 @@ class _Scene:
 def _scene(positions: np.ndarray, cloth: SewnTriangles, mannequin: Mannequin | None, painted_map: PaintedMap | None) -> _Scene:
     triangles = cloth.particle_triangles
     normals = particle_normals(positions, triangles)
-    right, wrong = (np.array(RIGHT_SIDE), np.array(WRONG_SIDE)) if painted_map is None else (painted_map.colors(),) * 2
+    layers = np.array(RIGHT_SIDES)[cloth.particle_layer % len(RIGHT_SIDES)]
+    right, wrong = (layers, WRONG_SIDE * layers) if painted_map is None else (painted_map.colors(),) * 2
     look = CLOTH_LOOK if painted_map is None else MAP_LOOK
     if mannequin is None:
         sky = SkyLight(positions, triangles)

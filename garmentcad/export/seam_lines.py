@@ -18,6 +18,8 @@ class SewnTriangles(Protocol):
     def vertex_particle(self) -> np.ndarray: ...  # (V,)
     @property
     def particle_triangles(self) -> np.ndarray: ...  # (F,3)
+    @property
+    def particle_layer(self) -> np.ndarray: ...  # (P,)
 
 
 def seam_and_free_edges(cloth: SewnTriangles) -> tuple[np.ndarray, np.ndarray]:

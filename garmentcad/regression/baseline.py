@@ -85,6 +85,11 @@ class Shape:
         """(F,3) triangles in particle indices."""
         return self.vertex_particle[self.triangles]
 
+    @property
+    def particle_layer(self) -> np.ndarray:
+        """(P,) zeros: it is only drawn under a map."""
+        return np.zeros(len(self.positions), dtype=np.int32)
+
 
 def factor(lays: int, more: int = 1, confidence: float = CONFIDENCE) -> float:
     """Standard deviations within which the mean of that many more lays lies with that probability."""
