@@ -10,6 +10,9 @@ import pytest
 
 from garmentcad.check.doctor import check_pattern, refusal
 from garmentcad.check.finding import Finding
+from garmentcad.check.gather import check_gathers, fullest
+from garmentcad.fabric.material import material_row
+from garmentcad.io.fabric_file import fabric_path, load_fabric
 from garmentcad.io.shipped import shipped_file
 from garmentcad.io.spec_file import read_spec
 from garmentcad.pattern.draft import draft, draft_errors
@@ -210,6 +213,29 @@ def test_crossing_is_where_it_is() -> None:
     # The lines from (300, 0) to (100, 400) and from (150, 400) to (0, 0) meet where 8x/3 = 2 (300 - x).
     x = 600 / (2 + 8 / 3)
     assert f"at ({x:.1f}, {8 * x / 3:.1f}) mm, on right and left" in found[0].message
+
+
+def gathered(fabric: str, ratio: float) -> list[Finding]:
+    """A tube whose front is `ratio` times as high as its back, in a shipped fabric."""
+    data = copy.deepcopy(GOOD)
+    data["panels"]["front"]["points"] |= {"c": [300, 400 * ratio], "d": [0, 400 * ratio]}
+    for seam in data["seams"]:
+        seam["ease"] = ratio - 1
+    sheets = {"wool": load_fabric(fabric_path(fabric)).sheet}
+    return list(check_gathers(draft(parse_spec(data, "tube.yaml"), BODY), sheets, "tube.yaml"))
+
+
+def test_gathers_against_the_fabric() -> None:
+    (finding, other) = gathered("wool-suiting", 2.3)
+    assert (finding.severity, finding.code, finding.key, other.key) == ("warning", "gather-too-tight", "seams.one", "seams.two")
+    assert "920 mm of wool are gathered into 400 mm, 2.30 to 1" in finding.message
+    assert gathered("wool-suiting", 1.9) == gathered("cotton-voile", 3.0) == gathered("wool-overcoating", 1.1) == []
+    assert len(gathered("wool-overcoating", 1.5)) == 2
+    row = material_row(load_fabric(fabric_path("wool-suiting")).sheet)
+    stiff = row._replace(bending=(8.0 * row.bending[0], 8.0 * row.bending[1]), thickness=1e-5)
+    soft = stiff._replace(bending=row.bending)
+    assert (fullest(soft) - 1.0) / (fullest(stiff) - 1.0) == pytest.approx(8.0)
+    assert fullest(soft._replace(thickness=0.6e-3)) == pytest.approx(2.0)
 
 
 def test_errors_come_first() -> None:

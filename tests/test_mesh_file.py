@@ -241,6 +241,15 @@ def test_flipped_bytes_never_leak_foreign_errors(tmp_path):
             assert len(faces) >= 100
 
 
+def test_mesh_shrunk_to_a_point_is_refused(tmp_path):
+    """Found by the fuzz study: no face was left for the repair to look at."""
+    mesh = egg()
+    mesh.vertices = mesh.vertices * 0.0
+    mesh.export(tmp_path / "point.obj")
+    with pytest.raises(MeshError, match="0 faces are left"):
+        read_mesh(tmp_path / "point.obj")
+
+
 def test_missing_file_and_unknown_unit(tmp_path):
     with pytest.raises(FileError, match="no such file"):
         read_mesh(tmp_path / "none.obj")

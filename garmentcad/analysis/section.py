@@ -42,17 +42,20 @@ class Chain:
         points = np.vstack([self.points, self.points[:1]]) if self.closed else self.points
         return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
 
-    def length_on(self, corner_uv: np.ndarray) -> float:
-        """Length of the same line on the flat pattern: corner_uv (F,3,2) holds the flat corners of each triangle; same unit as they have."""
+    def steps_on(self, corner_uv: np.ndarray) -> np.ndarray:
+        """(S,2) the same line on the flat pattern, segment by segment: corner_uv (F,3,2) holds the flat corners of each triangle; same unit as they have."""
         uv = corner_uv[self.triangles]
         rows = np.arange(len(uv))
 
         def flat(corners: np.ndarray, fraction: np.ndarray) -> np.ndarray:
             a, b = uv[rows, corners[:, 0]], uv[rows, corners[:, 1]]
-            return a + fraction[:, None] * (b - a)
+            return np.asarray(a + fraction[:, None] * (b - a))
 
-        step = flat(self.end_corners, self.end_fraction) - flat(self.start_corners, self.start_fraction)
-        return float(np.linalg.norm(step, axis=1).sum())
+        return flat(self.end_corners, self.end_fraction) - flat(self.start_corners, self.start_fraction)
+
+    def length_on(self, corner_uv: np.ndarray) -> float:
+        """Length of that line."""
+        return float(np.linalg.norm(self.steps_on(corner_uv), axis=1).sum())
 
     def winds_around(self, center: np.ndarray, plane: Plane) -> bool:
         """Whether a closed chain goes around the line through `center` (3,) along the plane's normal."""

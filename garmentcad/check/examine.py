@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-
 from garmentcad.analysis.clearance import clearing_moves, move_panels
 from garmentcad.check.doctor import check_pattern, refusal, worst_first
 from garmentcad.check.finding import Finding
+from garmentcad.check.gather import check_gathers
 from garmentcad.check.placement import check_moves, check_placement, check_twists
+from garmentcad.check.wearing import check_wearing
 from garmentcad.cloth.lattice import build_cloth
+from garmentcad.cloth.materials import lay_out_sheets
 from garmentcad.errors import InputError
-from garmentcad.fabric.material import material_row, material_table
+from garmentcad.fabric.material import material_row
+from garmentcad.fabric.sheet import KesSheet
 from garmentcad.io.fabric_file import load_fabric
 from garmentcad.io.mannequin_file import read_mannequin
 from garmentcad.io.outfit_file import read_worn
@@ -44,22 +46,27 @@ def examine(spec: str | Path | GarmentSpec, mannequin: str | None = None, grid_m
     if pattern is None:
         return [refusal(error) for error in errors]
     found = check_pattern(spec, pattern, grid_mm)
-    found += _check_fabrics(spec, pattern, folder)
+    sheets, faults = _read_sheets(spec, pattern, folder)
+    found += faults or _check_fabrics(spec, pattern, sheets)
     if not any(finding.severity == "error" for finding in found):
-        found += _check_placed(spec, pattern, body, folder, grid_mm)
+        found += _check_placed(spec, pattern, body, sheets, grid_mm)
     return worst_first(found)
 
 
-def _check_fabrics(spec: GarmentSpec, pattern: Pattern, folder: Path) -> list[Finding]:
-    """Fabrics that cannot be read; then regions whose factors or interfacing make impossible cloth."""
+def _read_sheets(spec: GarmentSpec, pattern: Pattern, folder: Path) -> tuple[dict[str, KesSheet], list[Finding]]:
+    """Every sheet that the pattern names, completed; and a finding for each that cannot be read."""
     found, sheets = [], {}
     for fabric, key in {**named_fabrics(pattern), pattern.fabric: "fabric"}.items():
         try:
             sheets[fabric] = load_fabric(resolve_reference(fabric, "fabrics", folder)).sheet
         except InputError as error:
             found.append(refusal(type(error)(error.message, file=error.file or spec.file, key=error.key or key)))
-    if found:
-        return found
+    return sheets, found
+
+
+def _check_fabrics(spec: GarmentSpec, pattern: Pattern, sheets: dict[str, KesSheet]) -> list[Finding]:
+    """Regions whose factors or interfacing make impossible cloth; then gathers."""
+    found = []
     for panel in pattern.panels.values():
         for region in panel.regions:
             sheet = sheets[region.fabric or panel.fabric or pattern.fabric]
@@ -67,17 +74,18 @@ def _check_fabrics(spec: GarmentSpec, pattern: Pattern, folder: Path) -> list[Fi
                 material_row(sheet, region.factors, sheets[region.interfacing] if region.interfacing else None)
             except InputError as error:
                 found.append(refusal(type(error)(error.message, file=spec.file, key=f"panels.{panel.name}.regions.{region.name}.{error.key}")))
-    return found
+    return [*found, *check_gathers(pattern, sheets, spec.file)]
 
 
-def _check_placed(spec: GarmentSpec, pattern: Pattern, body: Mannequin, folder: Path, grid_mm: float) -> list[Finding]:
-    sheet = load_fabric(resolve_reference(pattern.fabric, "fabrics", folder)).sheet
+def _check_placed(spec: GarmentSpec, pattern: Pattern, body: Mannequin, sheets: dict[str, KesSheet], grid_mm: float) -> list[Finding]:
     try:
-        # Where the panels lie does not depend on the fabric: one row is enough.
-        cloth = build_cloth(pattern, lambda _, points: np.zeros(len(points), dtype=np.int32), material_table([material_row(sheet)]), grid_mm)
+        materials, material_of = lay_out_sheets(pattern, sheets)
+        cloth = build_cloth(pattern, material_of, materials, grid_mm)
         positions = place_vertices(pattern, cloth, body)
+        worn = list(check_wearing(pattern, cloth, positions, materials, body, spec.file))
     except InputError as error:
         return [refusal(type(error)(error.message, file=error.file or spec.file, key=error.key))]
     moves = clearing_moves(pattern, cloth, positions, body)
     positions = move_panels(cloth, positions, moves)
-    return [*check_moves(moves, spec.file), *check_twists(pattern, cloth, positions, spec.file), *check_placement(cloth, positions, body, spec.file)]
+    placed = [*check_moves(moves, spec.file), *check_twists(pattern, cloth, positions, spec.file), *check_placement(cloth, positions, body, spec.file)]
+    return [*placed, *worn]

@@ -44,6 +44,8 @@ def read_mesh(path: str | Path, unit: str | None = None) -> tuple[np.ndarray, np
     vertices, faces = _load(raw, ending, file)
     _check_arrays(vertices, faces, file)
     vertices, faces = _joined(vertices, faces)
+    if len(faces) < MIN_FACES:
+        raise MeshError(f"{len(faces)} faces are left when vertices at the same place are joined; a body has at least {MIN_FACES}", file=file)
     vertices, faces, notes = repaired(vertices, faces)
     _check_surface(vertices, faces, file)
     if notes and len(crossings := crossing_triangle_pairs(floats(vertices), indices(faces))):

@@ -1,43 +1,13 @@
-"""Which material lies where: one row per panel and per region, and the function that says which row a point of a panel has."""
+"""The materials of a job, laid out on its pattern."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
-import numpy as np
-from shapely import contains_xy
-from shapely.geometry import Polygon
-
-from garmentcad.errors import FabricError, SpecError
-from garmentcad.fabric.material import MaterialRow, MaterialTable, material_row, material_table
-from garmentcad.pattern.pattern import Panel
+from garmentcad.cloth.lattice import MaterialOf
+from garmentcad.cloth.materials import lay_out_sheets
+from garmentcad.fabric.material import MaterialTable
 from garmentcad.simulation.job import Job
-
-MaterialOf = Callable[[Panel, np.ndarray], np.ndarray]
 
 
 def lay_out(job: Job) -> tuple[MaterialTable, MaterialOf]:
-    """Material table of a job, and `material_of(panel, points_mm (N,2)) -> rows (N,)`. Where regions overlap, the later one counts."""
-    rows: list[MaterialRow] = []
-    of_panel: dict[str, int] = {}
-    of_region: dict[tuple[str, str], int] = {}
-    sheets = {name: completed.sheet for name, completed in job.fabrics.items()}
-    for panel in job.pattern.panels.values():
-        of_panel[panel.name] = len(rows)
-        fabric = panel.fabric or job.pattern.fabric
-        rows.append(material_row(sheets[fabric]))
-        for region in panel.regions:
-            of_region[panel.name, region.name] = len(rows)
-            try:
-                rows.append(material_row(sheets[region.fabric or fabric], region.factors, sheets[region.interfacing] if region.interfacing else None))
-            except FabricError as fault:
-                raise SpecError(fault.message, key=f"panels.{panel.name}.regions.{region.name}.{fault.key}") from None
-
-    def material_of(panel: Panel, points_mm: np.ndarray) -> np.ndarray:
-        found = np.full(len(points_mm), of_panel[panel.name], dtype=np.int32)
-        for region in panel.regions:
-            inside = contains_xy(Polygon(region.polygon_mm), points_mm[:, 0], points_mm[:, 1])
-            found[inside] = of_region[panel.name, region.name]
-        return found
-
-    return material_table(rows), material_of
+    """As `lay_out_sheets`, of the job's pattern and fabrics."""
+    return lay_out_sheets(job.pattern, {name: completed.sheet for name, completed in job.fabrics.items()})

@@ -1,0 +1,231 @@
+"""Findings on wearing: rings of the garment that are too small for the body inside them, or for what they have to pass when the garment is put on.
+
+Rings are cut from the sewn pattern as it is laid around the body: closed lines around the trunk, the neck, an arm or a leg, measured on the flat panels.
+How far a ring extends follows from the fabric along its every part (`fabric/extension.py`). What a button closes is no ring.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from garmentcad.analysis.passing import STEP_M, girths_along, hand_girth_mm, head_girth_mm
+from garmentcad.analysis.section import Chain, Plane, cut
+from garmentcad.check.finding import Finding
+from garmentcad.cloth.cloth import Cloth
+from garmentcad.cloth.weld import weld
+from garmentcad.fabric.extension import extension
+from garmentcad.fabric.material import MaterialTable
+from garmentcad.mannequin.mannequin import Mannequin
+from garmentcad.pattern.pattern import Pattern, Wrap
+from garmentcad.units import MM_TO_M
+
+# Pressure at which clothing begins to hurt: 60 to 100 gf/cm2, Denton 1972 (Fit, stretch and comfort, Shirley Institute).
+_PRESSURE_PA = 5.9e3
+_PULL_N_M = 490.3  # tension of a ring that is pulled over something, 500 gf/cm as testers pull; an estimate
+_SLACK_M = 0.045  # a ring may come to lie higher or lower on the body than it was laid by this
+_ANGLES = 90  # directions between warp and weft that are told apart
+_ABOVE_ANKLE_M, _NECK_M, _BELOW_NECK_M = 0.02, 0.10, 0.15  # below the neck lies a neckline
+_LEAST_MM = 3.0
+
+
+@dataclass(frozen=True)
+class Ring:
+    """A closed line around a part of the body. level: along its axis, m; steps (S,2) mm on the flat panels, their cosines (S,) to warp, their rows (S,) of the
+    material table."""
+
+    level: float
+    steps: np.ndarray
+    along_warp: np.ndarray
+    rows: np.ndarray
+
+    @property
+    def length_mm(self) -> float:
+        return float(np.hypot(self.steps[:, 0], self.steps[:, 1]).sum())
+
+    def extended_mm(self, materials: MaterialTable, force: float | None) -> float:
+        """Length when every part is pulled with `force` N/m; None: with the force to which its own fabric was tested (Fm)."""
+        lengths, place = np.hypot(self.steps[:, 0], self.steps[:, 1]), np.rint(self.along_warp * _ANGLES).astype(int)
+        found = 0.0
+        for row, at in set(zip(self.rows.tolist(), place.tolist(), strict=True)):
+            pull = float(materials.tension_force[row].max()) if force is None else force
+            found += float(lengths[(self.rows == row) & (place == at)].sum()) * (1.0 + extension(materials, row, at / _ANGLES, pull))
+        return found
+
+
+class _Part(NamedTuple):
+    """A part of the body that rings go around. levels (N,) m along `axis`, taped girths (N,) mm there; passed (N,) mm: what a ring at each level has to pass;
+    by: what that is."""
+
+    name: str
+    origin: np.ndarray
+    axis: np.ndarray
+    levels: np.ndarray
+    girths: np.ndarray
+    passed: np.ndarray
+    by: str
+
+
+def check_wearing(
+    pattern: Pattern, cloth: Cloth, positions: np.ndarray, materials: MaterialTable, body: Mannequin, file: str | None = None
+) -> Iterator[Finding]:
+    """Findings on an unsewn cloth at positions (V,3) m. SpecError where the seams cannot be welded."""
+    worn, worn_at = _sewn(cloth, positions)
+    for part in _parts(body):
+        rings = _rings(pattern, worn, worn_at, part)
+        if rings:
+            yield from _check_ease(rings, part, materials, file)
+            yield from _check_passing(rings, part, materials, file)
+
+
+def _sewn(cloth: Cloth, positions: np.ndarray) -> tuple[Cloth, np.ndarray]:
+    """The welded cloth, and its particles (P,3) in the middle of the vertices that became one."""
+    sewn, _ = weld(cloth)
+    count = np.bincount(sewn.vertex_particle, minlength=sewn.particle_count)
+    middle = [np.bincount(sewn.vertex_particle, positions[:, axis], sewn.particle_count) / count for axis in range(3)]
+    return sewn, np.stack(middle, axis=1)
+
+
+def _parts(body: Mannequin) -> Iterator[_Part]:
+    for name in ("torso", "neck", "arm_left", "arm_right", "leg_left", "leg_right"):
+        where = "head" if name == "neck" else name
+        if name not in body.cylinders or where not in body.part_names:
+            continue
+        cylinder = body.cylinders[name]
+        points = body.vertices[np.unique(body.faces[body.face_part == body.part_names.index(where)])]
+        if len(points) == 0:
+            continue
+        along = (points - cylinder.origin) @ cylinder.up
+        low, high = float(along.min()), float(along.max())
+        if name == "neck":
+            low, high = low - _BELOW_NECK_M, min(high, _NECK_M)
+        elif name.startswith("leg") and f"ankle_{name[4:]}" in body.landmarks:
+            low = float((body.landmarks[f"ankle_{name[4:]}"] - cylinder.origin) @ cylinder.up) + _ABOVE_ANKLE_M
+        levels, girths = girths_along(body, where, cylinder.up, low + float(cylinder.origin @ cylinder.up), high + float(cylinder.origin @ cylinder.up))
+        from_below = np.maximum.accumulate(girths)
+        # Raised arms narrow the shoulders: from above the bust is the least that has to pass.
+        low_enough = levels <= MM_TO_M * body.measurements_mm.get("bust_height", np.inf) + 0.5 * STEP_M
+        from_above = np.maximum.accumulate(np.where(low_enough, girths, 0.0)[::-1])[::-1]
+        passed, by = from_below, "leg"
+        if name == "torso":
+            passed, by = np.minimum(from_below, from_above), "hip or the bust"
+        elif name == "neck":
+            passed, by = np.full(len(levels), head_girth_mm(body) or 0.0), "head"
+        elif name.startswith("arm"):
+            passed, by = np.maximum(from_below, hand_girth_mm(body, name[4:]) or 0.0), "hand or the arm"
+        yield _Part(name, cylinder.origin, cylinder.up, levels, girths, passed, by)
+
+
+def _rings(pattern: Pattern, cloth: Cloth, positions: np.ndarray, part: _Part) -> list[Ring]:
+    """The shortest ring at each level where there is one, and the openings of the garment around the part."""
+    flat, found = cloth.vertex_uv_mm[cloth.triangles], []
+    grain = np.radians([pattern.panels[name].grain_deg for name in cloth.panel_names])
+    owner = cloth.vertex_panel[cloth.triangles[:, 0]]
+    warp = np.stack([-np.sin(grain), np.cos(grain)], axis=1)[owner]
+    rules = [pattern.panels[name].placement for name in cloth.panel_names]
+    limb = part.name.startswith(("arm", "leg"))
+    wrapped = np.array([isinstance(rule, Wrap) and rule.part == part.name for rule in rules])[owner]
+
+    def ring(level: float, steps: np.ndarray, triangles: np.ndarray) -> Ring:
+        lengths = np.hypot(steps[:, 0], steps[:, 1])
+        cosine = np.abs((steps * warp[triangles]).sum(axis=1)) / np.where(lengths > 0.0, lengths, 1.0)
+        return Ring(level, steps, cosine, cloth.triangle_material[triangles])
+
+    def center(level: float) -> np.ndarray:
+        return np.asarray(part.origin + (level - part.origin @ part.axis) * part.axis)
+
+    def around(chain: Chain, plane: Plane) -> bool:
+        """A narrow cuff is laid as less than half a turn, since panels are wrapped unstretched: on a limb it counts that all of a ring is wrapped there."""
+        return chain.closed and ((limb and bool(wrapped[chain.triangles].all())) or chain.winds_around(center(plane.offset), plane))
+
+    for level in part.levels.tolist():
+        plane = Plane(part.axis, level)
+        chains = [chain for chain in cut(positions, cloth.particle_triangles, plane) if around(chain, plane)]
+        if chains:
+            found.append(min((ring(level, chain.steps_on(flat), chain.triangles) for chain in chains), key=lambda found: found.length_mm))
+    for triangles, corners in openings(cloth.particle_triangles):
+        level = float((positions[cloth.particle_triangles[triangles, corners]] @ part.axis).mean())
+        seen = Chain(positions[cloth.particle_triangles[triangles, corners]], triangles, True, corners, corners, corners, corners)
+        if part.levels[0] <= level <= part.levels[-1] and around(seen, Plane(part.axis, level)):
+            found.append(ring(level, flat[triangles, (corners + 1) % 3] - flat[triangles, corners], triangles))
+    return found
+
+
+def openings(triangles: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Closed borders of a mesh of triangles (F,3): for each the triangle of every edge in order, and the corner (0 to 2) at which the edge begins."""
+    begin, end = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
+    low, high = np.minimum(begin, end), np.maximum(begin, end)
+    _, place, count = np.unique(low.astype(np.int64) * (int(triangles.max()) + 1) + high, return_inverse=True, return_counts=True)
+    border = np.flatnonzero(count[place] == 1)
+    after = {int(begin[edge]): int(edge) for edge in border}
+    found: list[tuple[np.ndarray, np.ndarray]] = []
+    used: set[int] = set()
+    for first in border.tolist():
+        loop: list[int] = []
+        edge = first
+        while edge >= 0 and edge not in used:
+            used.add(edge)
+            loop.append(edge)
+            edge = after.get(int(end[edge]), -1)  # -1: right sides are sewn on wrong sides there, and the border turns around
+        if loop and edge == first:
+            found.append((np.array(loop) // 3, np.array(loop) % 3))
+    return found
+
+
+def _check_ease(rings: list[Ring], part: _Part, materials: MaterialTable, file: str | None) -> Iterator[Finding]:
+    """The ring that is worst off on the body: too small for it at any pull that can be worn, or only at one beyond what its fabric was tested to."""
+    if part.name == "neck":  # where a collar lies is not known before it is draped
+        return
+    worst: tuple[float, Ring, float, float] | None = None
+    for ring in rings:
+        near = part.girths[(np.abs(part.levels - ring.level) <= _SLACK_M) & (part.girths > 0.0)]
+        girth = float(near.min()) if len(near) else 0.0
+        if ring.length_mm < girth - _LEAST_MM:
+            tight = ring.extended_mm(materials, None)
+            if tight < girth and (worst is None or tight - girth < worst[0]):
+                worst = (tight - girth, ring, girth, tight)
+    if worst is None:
+        return
+    _, ring, girth, tested = worst
+    worn = ring.extended_mm(materials, _PRESSURE_PA * girth * MM_TO_M / (2.0 * np.pi))
+    bad = worn < girth
+    yield Finding(
+        "error" if bad else "warning", "ease-impossible" if bad else "stretch-untested", file, None,
+        f"around the {_said(part)}, {_level_mm(ring, part):.0f} mm up, the garment measures {ring.length_mm:.0f} mm and the body {girth:.0f} mm: "
+        f"it has to stretch by {100.0 * (girth / ring.length_mm - 1.0):.1f} %, and its fabric gives {100.0 * (tested / ring.length_mm - 1.0):.1f} % "
+        "at the force of its sheet (EMT)"
+        + (f", {100.0 * (worn / ring.length_mm - 1.0):.1f} % at the largest pressure that can be worn" if bad else ""),
+        f"Make it at least {girth - tested:.0f} mm wider there, or take a fabric with more EMT around the body.",
+    )  # fmt: skip
+
+
+def _check_passing(rings: list[Ring], part: _Part, materials: MaterialTable, file: str | None) -> Iterator[Finding]:
+    """The ring that is farthest from passing what it must."""
+    worst: tuple[float, Ring, float] | None = None
+    for ring in rings:
+        needed = float(np.interp(ring.level, part.levels, part.passed))
+        if ring.length_mm < needed:
+            short = needed - ring.extended_mm(materials, _PULL_N_M)
+            if short > _LEAST_MM and (worst is None or short > worst[0]):
+                worst = (short, ring, needed)
+    if worst is not None:
+        short, ring, needed = worst
+        yield Finding(
+            "warning", "closure-missing", file, None,
+            f"the garment cannot be put on: around the {_said(part)}, {_level_mm(ring, part):.0f} mm up, it measures {ring.length_mm:.0f} mm, "
+            f"pulled {needed - short:.0f} mm, and has to pass the {part.by} of {needed:.0f} mm",
+            f"Leave an opening of {short:.0f} mm or more there, closed by a zip or buttons, make it wider, or take a fabric that stretches.",
+        )  # fmt: skip
+
+
+def _said(part: _Part) -> str:
+    name, _, side = part.name.partition("_")
+    return f"{side} {name}" if side else {"torso": "trunk"}.get(name, name)
+
+
+def _level_mm(ring: Ring, part: _Part) -> float:
+    """Height above the floor of the ring's middle."""
+    return float((part.origin + (ring.level - part.origin @ part.axis) * part.axis)[1]) / MM_TO_M

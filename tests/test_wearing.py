@@ -1,0 +1,148 @@
+"""Rings of a garment against a body of revolution whose girths are known, and against the shipped bodies."""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import Any
+
+import numpy as np
+import pytest
+
+from garmentcad.analysis.passing import hand_girth_mm, head_girth_mm
+from garmentcad.arrays import floats, frozen, indices
+from garmentcad.check.examine import examine
+from garmentcad.check.finding import Finding
+from garmentcad.check.wearing import check_wearing, openings
+from garmentcad.cloth.lattice import build_cloth
+from garmentcad.cloth.materials import lay_out_sheets
+from garmentcad.fabric.extension import LOCKED, extension
+from garmentcad.fabric.law_tension import strain_at_force
+from garmentcad.fabric.material import material_row, material_table
+from garmentcad.io.fabric_file import fabric_path, load_fabric
+from garmentcad.io.mannequin_file import read_mannequin
+from garmentcad.io.shipped import shipped_file
+from garmentcad.io.spec_file import read_spec
+from garmentcad.mannequin.mannequin import ArrangementCylinder, Mannequin
+from garmentcad.pattern.draft import draft
+from garmentcad.pattern.parse import parse_spec
+from garmentcad.placement.place import place_vertices
+
+WAIST, HIP, BUST = 700.0, 1000.0, 900.0  # mm, at 1.05, 0.85 and 1.25 m
+COLUMNS = 180
+
+
+def revolved() -> Mannequin:
+    """Straight cones from the hip up to the waist, and on to the bust; the trunk and nothing else."""
+    heights = np.linspace(0.75, 1.30, 56)
+    radius = np.interp(heights, [0.75, 0.85, 1.05, 1.25, 1.30], np.array([HIP, HIP, WAIST, BUST, BUST]) * 1e-3 / (2.0 * math.pi))
+    angle = 2.0 * math.pi * np.arange(COLUMNS) / COLUMNS
+    ring = np.stack([np.sin(angle), np.zeros(COLUMNS), np.cos(angle)], axis=1)
+    vertices = np.concatenate([r * ring + [0.0, y, 0.0] for r, y in zip(radius, heights)])
+    first, k = np.arange(len(heights) - 1)[:, None] * COLUMNS, np.arange(COLUMNS)[None, :]
+    a, b = (first + k).ravel(), (first + (k + 1) % COLUMNS).ravel()
+    faces = np.concatenate([np.stack([a, b, b + COLUMNS], axis=1), np.stack([a, b + COLUMNS, a + COLUMNS], axis=1)])
+    up, front = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
+    trunk = ArrangementCylinder(np.zeros(3), up, front, 0.16, 0.16)
+    return Mannequin(
+        "revolved", frozen(floats(vertices)), frozen(indices(faces)), {"waist": WAIST, "bust_height": 1250.0}, {}, {"torso": trunk}, ("torso",),
+        frozen(indices(np.zeros(len(faces)))),
+    )  # fmt: skip
+
+
+def band(girth: float, fabric: str, sewn: int = 2, grain: float = 0.0) -> list[Finding]:
+    """A band of two panels around the waist, 60 mm high."""
+    panel: dict[str, Any] = {
+        "points": {"a": [0, 0], "b": [girth / 2, 0], "c": [girth / 2, 60], "d": [0, 60]},
+        "edges": [{"name": name, "from": p, "to": q} for name, p, q in (("low", "a", "b"), ("right", "b", "c"), ("top", "c", "d"), ("left", "d", "a"))],
+        "grain": grain,
+    }
+    placed = {name: {"wrap": {"part": "torso", "anchor": [girth / 4, 30], "angle": angle, "height": 1050}} for name, angle in (("front", 0), ("back", 180))}
+    seams = [
+        {"name": "one", "a": ["front.right.c", "front.right.b"], "b": ["back.left.d", "back.left.a"]},
+        {"name": "two", "a": ["back.right.c", "back.right.b"], "b": ["front.left.d", "front.left.a"]},
+    ]
+    panels = {name: {**panel, "placement": placement} for name, placement in placed.items()}
+    pattern = draft(parse_spec({"name": "band", "fabric": fabric, "mannequin": "x", "panels": panels, "seams": seams[:sewn]}, "band.yaml"), {})
+    table, material_of = lay_out_sheets(pattern, {fabric: load_fabric(fabric_path(fabric)).sheet})
+    cloth = build_cloth(pattern, material_of, table, 15.0)
+    body = revolved()
+    return list(check_wearing(pattern, cloth, place_vertices(pattern, cloth, body), table, body, "band.yaml"))
+
+
+def emt_weft(fabric: str) -> float:
+    return load_fabric(fabric_path(fabric)).sheet.values()["EMT.weft"].value / 100.0
+
+
+def test_a_band_that_does_not_pass_the_bust() -> None:
+    (finding,) = band(760.0, "wool-suiting")
+    assert (finding.severity, finding.code, finding.file) == ("warning", "closure-missing", "band.yaml")
+    length, pulled, needed = (float(text) for text in re.findall(r"(\d+) mm", finding.message)[1:])
+    assert length == 760.0
+    assert pulled == pytest.approx(760.0 * (1.0 + emt_weft("wool-suiting")), abs=0.6)  # pulled by 500 gf/cm, as the sheet says
+    assert needed == pytest.approx(BUST, abs=3.0)  # less than the hip; a polygon's girth, at the nearest level below
+    assert f"opening of {needed - pulled:.0f} mm" in finding.remedy or f"opening of {needed - pulled + 1:.0f} mm" in finding.remedy
+
+
+def test_no_closure_is_missing() -> None:
+    assert band(905.0, "wool-suiting") == []  # wide enough
+    assert band(760.0, "wool-suiting", sewn=1) == []  # open at one side
+    assert band(760.0, "interlock-knit") == []  # stretches
+    assert [finding.code for finding in band(760.0, "interlock-knit", grain=90.0)] == ["closure-missing"]  # but not along its wales
+
+
+def test_a_ring_that_is_too_small_for_the_body() -> None:
+    """The narrowest place within reach measures 700 mm."""
+    emt = emt_weft("wool-suiting")
+    row = material_row(load_fabric(fabric_path("wool-suiting")).sheet)
+    assert row.strain_limit[1] > emt + 0.01
+    codes = {name: [f.code for f in band(WAIST / (1.0 + strain), "wool-suiting") if f.code != "closure-missing"] for name, strain in (
+        ("within EMT", emt - 0.005), ("beyond EMT", emt + 0.005), ("beyond all", row.strain_limit[1] + 0.01))}  # fmt: skip
+    assert codes == {"within EMT": [], "beyond EMT": ["stretch-untested"], "beyond all": ["ease-impossible"]}
+    error = next(finding for finding in band(600.0, "wool-suiting") if finding.code == "ease-impossible")
+    assert error.severity == "error"
+    assert "the garment measures 600 mm and the body 700 mm: it has to stretch by 16." in error.message
+    assert "ease-impossible" not in [finding.code for finding in band(600.0, "interlock-knit")]
+
+
+def test_openings_of_a_tube() -> None:
+    """Two rows of triangles around; the borders run around it in opposite directions."""
+    k, after = np.arange(6), (np.arange(6) + 1) % 6
+    triangles = np.concatenate([np.stack([k, after, after + 6], axis=1), np.stack([k, after + 6, k + 6], axis=1)])
+    loops = [triangles[rows, corners].tolist() for rows, corners in openings(triangles)]
+    assert sorted(map(sorted, loops)) == [[0, 1, 2, 3, 4, 5], [6, 7, 8, 9, 10, 11]]
+    assert loops[0] == [0, 1, 2, 3, 4, 5]
+
+
+def test_extension_in_the_yarn_directions_and_on_the_bias() -> None:
+    row = material_row(load_fabric(fabric_path("wool-suiting")).sheet)
+    table = material_table([row])
+    for force in (50.0, 300.0):
+        for axis, cosine in ((0, 1.0), (1, 0.0)):
+            wanted = strain_at_force(force, row.tension_strain[axis], row.tension_force[axis], row.tension_exponent[axis])
+            assert extension(table, 0, cosine, force) == pytest.approx(wanted)
+    # Linear cloth: 1/E of a plate, c^4/E1 + s^4/E2 + c^2 s^2/G
+    linear = material_table([row._replace(tension_exponent=(0.0, 0.0))])
+    e_warp, e_weft = (f / e for f, e in zip(row.tension_force, row.tension_strain))
+    cosine = math.cos(math.radians(30.0))
+    c2, s2 = cosine**2, 1.0 - cosine**2
+    assert extension(linear, 0, cosine, 5.0) == pytest.approx(5.0 * (c2**2 / e_warp + s2**2 / e_weft + c2 * s2 / row.shear), rel=1e-9)
+    assert extension(table, 0, math.sqrt(0.5), 1e4) > 0.5 * LOCKED
+    assert extension(table, 0, 1.0, 1e6) == pytest.approx(row.strain_limit[0])  # no farther than the sheet is trusted
+
+
+@pytest.mark.parametrize(("values", "part"), [({"opening": 400}, "neck"), ({"sleeve_hem_half": 70}, "left arm")])
+def test_a_shirt_that_does_not_pass_head_or_hand(values: dict[str, float], part: str) -> None:
+    spec = read_spec(shipped_file("patterns", "t-shirt"))
+    changed = spec.model_copy(update={"values": spec.values | values})
+    found = [finding for finding in examine(changed, "woman-88", 20.0) if finding.code == "closure-missing"]
+    assert any(f"around the {part}" in finding.message for finding in found), [str(finding) for finding in found]
+
+
+def test_heads_and_hands_of_the_shipped_bodies() -> None:
+    """Near the means of the survey of US Army personnel of 1988: head 546 and 568 mm, hand without thumb 186 and 214 mm."""
+    for name, head, hand in (("woman-88", 546.0, 186.0), ("man-100", 568.0, 214.0)):
+        body = read_mannequin(name)
+        assert head_girth_mm(body) == pytest.approx(head, rel=0.07)
+        assert hand_girth_mm(body, "left") == pytest.approx(hand, rel=0.10)
+        assert hand_girth_mm(body, "left") == pytest.approx(hand_girth_mm(body, "right"), rel=1e-6)
