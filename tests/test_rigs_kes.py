@@ -15,10 +15,11 @@ from garmentcad.rigs import calibrate as calibration
 from garmentcad.rigs.bending import bending_test, printed_bending
 from garmentcad.rigs.calibrate import calibrate, corrections_percent
 from garmentcad.rigs.kes import KesTester, Record, run_tester, sheet_materials
+from garmentcad.rigs.off_grain import clamped_stiffness, sheet_stiffness
 from garmentcad.rigs.shear import printed_shear, shear_test
 from garmentcad.rigs.specimen import Specimen
 from garmentcad.rigs.tension import tension_test
-from garmentcad.units import GF_CM2_CM_TO_N_M, GF_CM_DEG_TO_N_M_RAD, GF_CM_TO_N_M
+from garmentcad.units import GF_CM2_CM_TO_N_M, GF_CM_DEG_TO_N_M_RAD
 
 numba.set_num_threads(1)
 
@@ -60,14 +61,14 @@ def test_tension_along_the_grain_is_the_sheet_wherever_the_lattice_lies(origin: 
     assert out.y[-1] == pytest.approx(SHEET.number("Fm"), rel=1e-9)
 
 
-def test_a_clamped_specimen_cut_30_degrees_off_the_grain() -> None:
-    # PHYSICS 5; free edges carry less, the more the shorter yarns run from clamp to edge: 5 cm of 20
-    c, s = math.cos(math.radians(30.0)), math.sin(math.radians(30.0))
-    trellis = float(ELASTIC.shear[0])
-    out, _ = tension_test(linear(2000.0, 2000.0), 30.0, 10.0, 5.0)
-    modulus = out.y[-1] * GF_CM_TO_N_M / (0.01 * out.x[-1])
-    assert modulus == pytest.approx(2000.0 * (c**4 + s**4) + 4.0 * s * s * c * c * trellis, rel=0.35)
-    assert modulus < 2000.0 * (c**4 + s**4) + 4.0 * s * s * c * c * trellis
+@pytest.mark.parametrize("origin", [None, (2.5, 2.5)])
+@pytest.mark.parametrize("angle", [0.0, 30.0, 45.0])
+def test_clamped_specimens_off_the_grain_bear_what_an_orthotropic_sheet_bears(angle: float, origin: tuple[float, float] | None) -> None:
+    c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
+    warp, weft, trellis = 2000.0, 1200.0, float(ELASTIC.shear[0])
+    plate = warp * c**4 + weft * s**4 + 4.0 * s * s * c * c * trellis, (warp + weft) * s * s * c * c + trellis * (c * c - s * s) ** 2  # PHYSICS 5
+    assert clamped_stiffness(linear(warp, weft), angle, 10.0, origin) == pytest.approx(plate, rel=0.02)
+    assert sheet_stiffness(linear(warp, weft), angle) == pytest.approx(plate)
 
 
 def test_bending_along_and_across_the_grain_is_the_sheet() -> None:
@@ -95,6 +96,15 @@ def test_loops_of_shear_and_bending_have_the_widths_of_the_sheet() -> None:
         printed = run_tester(tester, SHEET, MATERIALS, 10.0).printed
         for key, value in printed.items():
             assert value == pytest.approx(SHEET.number(key), rel=0.05), key
+
+
+def test_a_shipped_sheet_with_law_values_prints_itself_on_a_coarser_lattice() -> None:
+    sheet = load_fabric(fabric_path("cotton-broad")).sheet
+    assert is_calibrated(sheet)
+    for tester in (KesTester("tension", "weft"), KesTester("shear", "warp"), KesTester("shear", "weft")):
+        for key, value in run_tester(tester, sheet, sheet_materials(sheet), 10.0, sides=1).printed.items():
+            assert value == pytest.approx(sheet.number(key), rel=0.02), key
+    assert max(map(abs, corrections_percent(sheet).values())) < 5.0
 
 
 def test_calibration_makes_testers_that_lose_a_share_print_the_sheet(monkeypatch: pytest.MonkeyPatch) -> None:

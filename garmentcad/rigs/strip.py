@@ -1,0 +1,85 @@
+"""A strip in clamps under its own weight: overhanging (ASTM D1388), and bent into a loop (heart, ring, pear; Peirce 1930).
+
+The strip lies in the plane of y (up) and z, x across it. A clamp lies midway between two held rows: the bend line centred on the last held row stands for half
+a spacing on either side. Weight comes in little by little, so that the strip finds the shape that it would be let down into.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from garmentcad.fabric.material import MaterialTable
+from garmentcad.rigs.specimen import Specimen
+from garmentcad.units import GRAVITY_M_S2, M_TO_MM, MM_TO_M
+
+WIDTH_MM = 25.0  # ASTM D1388
+GRIP = 2.5  # spacings of cloth in each clamp
+LOADS = 6  # steps in which weight comes in
+TURNS = 6  # steps in which the clamps of a loop are turned
+_INSIDE = 0.5 * (1.0 + 1e-6)  # of a spacing: how far into the free length the last held row stands
+SHAPES = {"ring": 0.0, "heart": 0.5 * math.pi, "pear": -0.5 * math.pi}  # by how much each end of a strip in a ring is turned up
+
+
+class Droop(NamedTuple):
+    """From the edge to the middle of the tip, mm."""
+
+    reach_mm: float
+    drop_mm: float
+
+
+def overhang(materials: MaterialTable, length_mm: float, grid_mm: float, angle_deg: float = 0.0) -> Droop:
+    """How a strip of the fabric in row 0 of `materials` hangs over an edge; angle_deg: from its length to its warp (a multiple of 90)."""
+    grip = GRIP * grid_mm
+    strip = Specimen(materials, WIDTH_MM, grip + length_mm, grid_mm, angle_deg, (0.5 * WIDTH_MM, grip + 0.5 * grid_mm), stays_flat=False)
+    along = strip.rest[:, 1] - grip * MM_TO_M
+    held = np.flatnonzero(along <= _INSIDE * strip.cloth.spacing)
+    given = np.column_stack([strip.rest[:, 0], np.zeros(len(along)), along])
+    positions = _loaded(strip, given, np.zeros_like(given), held)
+    _, tip = strip.ends
+    return Droop(M_TO_MM * float(positions[tip, 2].mean()), -M_TO_MM * float(positions[tip, 1].mean()))
+
+
+def loop_drop(materials: MaterialTable, length_mm: float, grid_mm: float, shape: str, angle_deg: float = 0.0) -> float:
+    """How far [mm] a loop of this length hangs below the clamp that holds both of its ends: level for a ring, upward for a heart, downward for a pear.
+
+    The strip may lie through itself where its ends meet. Lengths of an odd number of spacings have a row at the lowest point.
+    """
+    grip = GRIP * grid_mm
+    strip = Specimen(materials, WIDTH_MM, length_mm + 2.0 * grip, grid_mm, angle_deg, (0.5 * WIDTH_MM, grip + 0.5 * grid_mm), stays_flat=False)
+    along, length = strip.rest[:, 1] - grip * MM_TO_M, length_mm * MM_TO_M
+    inside = _INSIDE * strip.cloth.spacing
+    first, last = along <= inside, along >= length - inside
+    held = np.flatnonzero(first | last)
+    # a ring whose chords are a spacing long; in the clamps it lies straight
+    turn = 2.0 * math.pi * np.clip(along, 0.0, length) / length
+    radius = length / (2.0 * math.pi)
+    ring = np.column_stack([strip.rest[:, 0], radius * (np.cos(turn) - 1.0), radius * np.sin(turn)])
+    free, positions = np.zeros_like(ring), ring
+    for lift in np.linspace(0.0, SHAPES[shape], TURNS + 1 if SHAPES[shape] else 1):
+        given = ring.copy()
+        for clamp, way, end in ((first, 1.0, 0.0), (last, -1.0, length)):
+            beyond = along[clamp] - end
+            given[clamp, 1:] = np.outer(beyond, (way * math.sin(lift), math.cos(lift)))
+        positions = _balanced(strip, given, free, held, 0.0)
+        free = positions - given
+    positions = _loaded(strip, given, free, held)
+    return -M_TO_MM * float(positions[:, 1].min())
+
+
+def _loaded(strip: Specimen, given: np.ndarray, free: np.ndarray, held: np.ndarray) -> np.ndarray:
+    """Positions (P,3) m under the strip's own weight; free: how far from `given` those that nothing holds begin."""
+    for share in np.linspace(0.0, 1.0, LOADS + 1)[1:]:
+        free = _balanced(strip, given, free, held, share) - given
+    return given + free
+
+
+def _balanced(strip: Specimen, given: np.ndarray, free: np.ndarray, held: np.ndarray, share: float) -> np.ndarray:
+    modes = strip.modes([held])
+    weight = np.zeros_like(given)
+    weight[:, 1] = -share * GRAVITY_M_S2 * strip.cloth.masses
+    positions = given + (modes @ strip.balance.solve(given, modes, modes.T @ free.ravel(), modes.T @ weight.ravel())).reshape(-1, 3)
+    strip.balance.keep(positions)
+    return positions

@@ -1,0 +1,38 @@
+"""Strips under their own weight against the elastica of an inextensible strip, internal friction off."""
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+import pytest
+
+from garmentcad.fabric.material import MaterialTable, without_friction
+from garmentcad.io.fabric_file import fabric_path, load_fabric
+from garmentcad.rigs.kes import sheet_materials
+from garmentcad.rigs.strip import loop_drop, overhang
+from garmentcad.units import GRAVITY_M_S2
+
+numba.set_num_threads(1)
+
+ELASTIC = without_friction(sheet_materials(load_fabric(fabric_path("wool-suiting")).sheet))
+# Gamma = W g L^3/B: tip drop over reach, by shooting from the tip (an initial value problem in the slope, error below 1e-6)
+CANTILEVER = {(0.1, 10.0): 0.01250, (1.0, 10.0): 0.12456, (10.0, 10.0): 1.06680, (100.0, 5.0): 5.88810}  # on a strip of 200 mm, by grid in mm
+# W g L^3/B: depth over length, from the closed half loop's boundary value problem
+LOOPS = {("ring", 152.1): 0.35444, ("heart", 697.6): 0.32135, ("pear", 697.6): 0.45065}
+
+
+def stiff(gamma: float, length_m: float) -> MaterialTable:
+    """The fabric with W g L^3/B = gamma in every direction."""
+    bending = float(ELASTIC.areal_mass[0]) * GRAVITY_M_S2 * length_m**3 / gamma
+    return ELASTIC._replace(bending=np.full((1, 2), bending), twist=np.full(1, 0.5 * bending))
+
+
+@pytest.mark.parametrize(("gamma", "grid_mm"), CANTILEVER)
+def test_overhang_is_the_elastica(gamma: float, grid_mm: float) -> None:
+    droop = overhang(stiff(gamma, 0.2), 200.0, grid_mm)
+    assert droop.drop_mm / droop.reach_mm == pytest.approx(CANTILEVER[gamma, grid_mm], rel=0.02)
+
+
+@pytest.mark.parametrize(("shape", "gamma"), LOOPS)
+def test_loops_hang_as_deep_as_the_elastica(shape: str, gamma: float) -> None:
+    assert loop_drop(stiff(gamma, 0.205), 205.0, 5.0, shape) / 205.0 == pytest.approx(LOOPS[shape, gamma], rel=0.02)
