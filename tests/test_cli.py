@@ -11,8 +11,8 @@ import pytest
 from test_bad_input import CASES, Case, place
 
 
-def garmentcad(*arguments: str, folder: Path | None = None) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([sys.executable, "-m", "garmentcad", *arguments], capture_output=True, text=True, cwd=folder, timeout=120, check=False)
+def garmentcad(*arguments: str, folder: Path | None = None, timeout_s: float = 120.0) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([sys.executable, "-m", "garmentcad", *arguments], capture_output=True, text=True, cwd=folder, timeout=timeout_s, check=False)
 
 
 def test_help_and_version_answer() -> None:

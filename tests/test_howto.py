@@ -1,16 +1,19 @@
-"""The garment test of the howto reads, names keys that reports have, and belongs to the garment of the README."""
+"""What the howtos show runs: a garment test of the README's garment is read; from a GarmentCode file to a garment under test, command by command."""
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 
+from test_cli import garmentcad
 from test_readme import block
 
 from garmentcad.io.garment_test_file import read_garment_tests
 from garmentcad.regression.trial import job_of
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
+HANGS_S = 1800.0  # a command that takes longer hangs: no measure of speed
 
 
 def test_garment_test_of_the_howto(tmp_path: Path) -> None:
@@ -22,3 +25,37 @@ def test_garment_test_of_the_howto(tmp_path: Path) -> None:
     job = job_of(case)
     assert (job.pattern.name, job.grid_mm) == ("a-line", 20.0)
     assert "hem.nodes" in case.test.baseline
+
+
+def run_page(name: str, folder: Path) -> list[str]:
+    """Run every command of a page in the folder, on 40 mm and with three lays at most; what they print. A command that fails fails the test."""
+    page = (DOCS / "howto" / name).read_text(encoding="utf-8")
+    printed = []
+    for line in "".join(re.findall(r"```sh\n(.*?)```", page, re.DOTALL)).splitlines():
+        program, *words = line.replace("--grid 20", "--grid 40").replace("--lays 10", "--lays 3").split()
+        assert program == "garmentcad"
+        run = garmentcad(*words, folder=folder, timeout_s=HANGS_S)
+        assert run.returncode == 0, f"{line}\n{run.stdout}\n{run.stderr}"
+        printed.append(run.stdout)
+    return printed
+
+
+def test_from_a_garmentcode_file_to_a_garment_under_test(tmp_path: Path) -> None:
+    page = (DOCS / "howto" / "garmentcode-to-test.md").read_text(encoding="utf-8")
+    (pattern,), (test,) = (re.findall(rf"```{language}\n(.*?)```", page, re.DOTALL) for language in ("json", "yaml"))
+    (tmp_path / "skirt_specification.json").write_text(pattern)
+    (tmp_path / "skirt.garment-test.yaml").write_text(test.replace("grid_mm: 20", "grid_mm: 40"))
+    printed = run_page("garmentcode-to-test.md", tmp_path)
+    report = json.loads((tmp_path / "out" / "skirt" / "report.json").read_text())
+    assert (report["status"], report["self_intersections"], report["mannequin_intersections"]) == ("converged", 0, 0)
+    assert "seat" in (tmp_path / "out" / "skirt-fit.csv").read_text()
+    assert "hem" in printed[2]
+    # What the page says of a longer skirt: the hem's points go down, and the test fails by the hem.
+    spec = tmp_path / "skirt.yaml"
+    text = spec.read_text()
+    longer = text.replace("[0.0, 0.0]", "[0.0, -10.0]").replace("[600.0, 0.0]", "[600.0, -10.0]")
+    assert text.count("[600.0, 0.0]") == 2
+    spec.write_text(longer)
+    run = garmentcad("test", "skirt.garment-test.yaml", folder=tmp_path, timeout_s=HANGS_S)
+    assert run.returncode == 4, run.stdout
+    assert re.search(r"hem_height_mm.*FAILS", run.stdout), run.stdout
