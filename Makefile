@@ -29,6 +29,7 @@ study: $(VENV)/.installed
 	$(BIN)/python -m tools.detection_study
 	$(BIN)/python -m tools.garment_test_study
 	$(BIN)/python -m tools.passport_study
+	$(BIN)/python -m tools.fuzz_study
 
 bench: $(VENV)/.installed
 	$(BIN)/python -m bench.compare --blender-python $(BLENDER_PYTHON) $(BENCH_OPTIONS)

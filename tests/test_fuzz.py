@@ -1,0 +1,19 @@
+"""200 garments with their fabric and 500 body scans with seeded faults: a result or a GarmentError, in memory below 1 GiB, and no hang.
+
+tools/fuzz_study.py does the same for 20,000 and 5,000.
+"""
+
+from __future__ import annotations
+
+import pytest
+
+from tools.fuzz_study import run_cases
+
+
+@pytest.mark.parametrize(("kind", "count"), [("garment", 200), ("scan", 500)])
+def test_faults_are_refused_and_nothing_else_happens(kind: str, count: int) -> None:
+    outcome = run_cases(kind, 0, count)
+    assert outcome.faults == {}
+    good = sum(count for end, count in outcome.ends.items() if not end.endswith("Error"))
+    assert 0.1 * count < good < 0.9 * count, outcome.ends  # neither all nor none: the faults reach what they shall reach
+    assert len(outcome.ends) >= 3
