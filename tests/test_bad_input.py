@@ -124,7 +124,7 @@ SPEC_CASES = [
     spec("point not on edge", b"front.left.d", b"front.left.c", "seams.0.a.0", "does not end at 'c'", "Allowed: a, d"),
     spec("no path", b"front.left.d, front.left.a", b"front.left.a, front.left.a", "seams.0.a", "no way along the outline"),
     spec("short seam end", b"front.left.d", b"front.left", "seams.0.a.0", "panel.edge.point", "came 'front.left'"),
-    spec("closures", b"seams:", b"closures: [zip]\nseams:", "closures", "not supported yet"),
+    spec("closures", b"seams:", b"closures: [zip]\nseams:", "closures.0", "a mapping is wanted, came 'zip'"),
 ]
 
 REFERENCE_CASES = [

@@ -19,7 +19,7 @@ def some_state() -> State:
     return State(
         rng.standard_normal((7, 3)), rng.standard_normal((7, 3)), 1.25, 42, 3e-5, "settle", rng.standard_normal((2, 3)),
         {"bend": rng.standard_normal(4)}, {"body_faces": np.arange(6, dtype=np.int32).reshape(3, 2)}, {"phase_from_s": 0.1 + 0.2},
-        {"friction": -1e-17, "damping": 0.0}, np.array([2.5, -0.1]),
+        {"friction": -1e-17, "damping": 0.0}, rng.standard_normal((2, 3)), np.array([2.5, -0.1]),
     )  # fmt: skip
 
 
@@ -33,6 +33,7 @@ def test_round_trip_keeps_every_bit(tmp_path: Path) -> None:
     assert back.work_j == state.work_j
     assert back.fold_angles.tobytes() == state.fold_angles.tobytes()
     assert back.constraint_speeds.tobytes() == state.constraint_speeds.tobytes()
+    assert back.constraint_forces.tobytes() == state.constraint_forces.tobytes()
     assert back.contact["body_faces"].dtype == np.int32
     assert np.array_equal(back.contact["body_faces"], state.contact["body_faces"])
 

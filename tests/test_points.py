@@ -10,7 +10,7 @@ from garmentcad.errors import InputError
 
 
 def run(constraint: ConstraintPoints, x: np.ndarray, v: np.ndarray, force: np.ndarray, inverse_masses: np.ndarray, dt: float, steps: int) -> None:
-    bonds = constraint.bonds(constraint.speeds(v))
+    bonds = constraint.bonds(constraint.speeds(v), np.zeros_like(constraint.targets))
     for _ in range(steps):
         demand_speeds(bonds, x, dt)
         v += dt * force * inverse_masses[:, None]
@@ -45,7 +45,7 @@ def test_cycle_of_stitches_is_solved_and_named() -> None:
 
 
 def test_pin_holds_a_weighted_point_under_load() -> None:
-    rows = PointRows(np.array([0, 0]), np.array([0, 1]), np.array([0.25, 0.75]), np.array([[0.0, 1.0, 0.0]]), ("pin",))
+    rows = PointRows.plain(np.array([0, 0]), np.array([0, 1]), np.array([0.25, 0.75]), np.array([[0.0, 1.0, 0.0]]), ("pin",))
     x, v = np.array([[1.0, 1.0, 0.0], [-1.0 / 3.0, 1.0, 0.0]]), np.zeros((2, 3))
     constraint = ConstraintPoints(rows, np.ones(2), rate=30.0)
     run(constraint, x, v, np.array([[0.0, -9.81, 0.0], [0.0, -9.81, 0.0]]), np.ones(2), 1e-4, 5000)
@@ -61,7 +61,7 @@ def test_a_blocked_end_feeds_nothing_into_the_other() -> None:
     """One end is held by something that acts after the constraint, and pulled hard: the other end still closes at the demanded pace."""
     x, v = np.array([[0.0, 0.0, 0.0], [0.1, 0.0, 0.0]]), np.zeros((2, 3))
     constraint = ConstraintPoints(stitch_rows(np.array([[0, 1]]), ("side",)), np.ones(2), rate=10.0)
-    bonds, dt, fastest = constraint.bonds(np.zeros((1, 3))), 1e-4, 0.0
+    bonds, dt, fastest = constraint.bonds(np.zeros((1, 3)), np.zeros((1, 3))), 1e-4, 0.0
     for _ in range(20000):
         demand_speeds(bonds, x, dt)
         v[0, 1] += dt * 50.0
@@ -76,7 +76,7 @@ def test_a_blocked_end_feeds_nothing_into_the_other() -> None:
 def test_cap_bounds_the_force() -> None:
     constraint = ConstraintPoints(stitch_rows(np.array([[0, 1]]), ("side",)), np.ones(2), rate=10.0, cap=0.5)
     v = np.zeros((2, 3))
-    correct_speeds(constraint.bonds(np.array([[3.0, 0.0, 0.0]])), 0.01, v)
+    correct_speeds(constraint.bonds(np.array([[3.0, 0.0, 0.0]]), np.zeros((1, 3))), 0.01, v)
     assert np.allclose(v, [[0.005, 0.0, 0.0], [-0.005, 0.0, 0.0]])
 
 
@@ -85,7 +85,7 @@ def test_ends_that_something_drives_apart_close_with_a_floor_on_their_speed(leas
     """A contact takes 0.02 m/s from the closing speed in every step. The decay demands r C/2 and stalls where that is as slow; the floor is not."""
     constraint = ConstraintPoints(stitch_rows(np.array([[0, 1]]), ("armhole",)), np.ones(2), rate=14.0, least_speed=least_speed)
     x, v = np.array([[0.01, 0.0, 0.0], [0.0, 0.0, 0.0]]), np.zeros((2, 3))
-    bonds, dt = constraint.bonds(np.zeros((1, 3))), 1e-4
+    bonds, dt = constraint.bonds(np.zeros((1, 3)), np.zeros((1, 3))), 1e-4
     for _ in range(20000):
         demand_speeds(bonds, x, dt)
         correct_speeds(bonds, dt, v)
@@ -98,7 +98,7 @@ def test_a_garment_without_seams_has_no_rows() -> None:
     constraint = ConstraintPoints(stitch_rows(np.zeros((0, 2), dtype=np.int32), ()), np.ones(3), rate=10.0)
     assert constraint.gaps(np.ones((3, 3))).shape == (0, 3)
     v = np.ones((3, 3))
-    bonds = constraint.bonds(np.zeros((0, 3)))
+    bonds = constraint.bonds(np.zeros((0, 3)), np.zeros((0, 3)))
     demand_speeds(bonds, np.ones((3, 3)), 1e-4)
     correct_speeds(bonds, 1e-4, v)
     assert np.array_equal(v, np.ones((3, 3)))

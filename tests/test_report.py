@@ -57,13 +57,14 @@ def run_record() -> RunRecord:
         simulated_time_s=2.469,
         wall_time_s={"total": 61.0, "drape": 50.0, "setup": 11.0},
         rest={"max_speed_m_s": 1e-3, "rms_speed_m_s": 1e-4, "kinetic_j_per_kg": 1e-8, "residual_g_rms": 8e-4},
-        constraints={"max_gap_mm": None, "max_speed_m_s": None, "conflicting": []},
+        constraints={"max_gap_mm": 0.02, "max_speed_m_s": 1e-6, "conflicting": [], "gap_mm": {"button": 0.02}, "speed_m_s": {"button": 1e-6}},
         seam_gap_mm=0.28,
         mannequin_penetration_mm=0.0,
         self_intersections=0,
         mannequin_intersections=0,
         energy_j={"stretch": 0.1, "shear": 0.1, "bend": 0.1, "gravity": -1.0, "friction_work": 0.2}
-        | {"internal_friction_work": -0.1, "damping_work": 0.3, "air": 0.0},
+        | {"internal_friction_work": -0.1, "damping_work": 0.3, "band": None, "air": 0.0},
+        bands={"waist": {"tension_n": 12.0, "max_tension_n": 12.5, "length_mm": 700.0, "rest_length_mm": 560.0, "strain_percent": 25.0}},
         uncalibrated=True,
         warnings=("an estimate",),
     )
@@ -150,7 +151,8 @@ def test_a_blank_report_has_the_keys_of_every_report() -> None:
     def keys(node: dict, path: str = "") -> set[str]:
         return {item for key, value in node.items() for item in ({f"{path}{key}"} | (keys(value, f"{path}{key}.") if isinstance(value, dict) else set()))}
 
+    own = ("seam_tension.", "constraints.gap_mm.", "constraints.speed_m_s.", "bands.")  # called what the garment calls them
     made = keys(build_report(run_record(), tube_measures()))
     extra = {"versions.numpy", "versions.garmentcad", "energy_j.air"}  # what one run adds
-    assert keys(blank_report()) == {key for key in made - extra if not key.startswith("seam_tension.")}  # seams are called what the garment calls them
+    assert keys(blank_report()) == {key for key in made - extra if not key.startswith(own)}
     json.dumps(blank_report(), allow_nan=False)

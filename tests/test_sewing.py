@@ -11,6 +11,7 @@ from test_lattice import one_material, two_panels
 from garmentcad.cloth.lattice import build_cloth
 from garmentcad.cloth.state import State
 from garmentcad.cloth.weld import weld
+from garmentcad.constraints.points import stitch_rows
 from garmentcad.contact.contact import Contact
 from garmentcad.errors import TangledError
 from garmentcad.forces.assembly import ForceAssembly
@@ -21,6 +22,8 @@ from garmentcad.simulation.sewing import Welding, close_seams, weld_state
 from garmentcad.simulation.start import refuse_tangled
 from garmentcad.solve.dynamics import Dynamics
 from garmentcad.solve.strain_limit import strain_limit
+
+NO_HARDWARE = stitch_rows(np.zeros((0, 2), dtype=np.int32), ())
 
 
 def test_weld_keeps_mass_center_and_momentum() -> None:
@@ -87,5 +90,5 @@ def test_a_seam_that_is_turned_back_is_pulled_faster_and_faster_until_it_closes(
     dynamics = Crease(cloth, forces, strain_limit(cloth, materials), Contact(cloth, materials))
     state = State(positions, np.zeros_like(positions), phase="close")
     dynamics.start(state)
-    assert close_seams(dynamics, state, lambda progress: None).open_seams == []
+    assert close_seams(dynamics, state, NO_HARDWARE, lambda progress: None).open_seams == []
     assert 0.6 < state.time_s < 1.5

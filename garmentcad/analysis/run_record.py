@@ -13,7 +13,8 @@ class RunRecord:
     """The part of report.json that the simulation fills. Names and units are those of the report; nested dicts hold at least the keys named here.
 
     status: `intersecting` includes penetration of the mannequin. wall_time_s: setup, drape, total. rest: max_speed_m_s, rms_speed_m_s, kinetic_j_per_kg,
-    residual_g_rms. constraints: max_gap_mm, max_speed_m_s, conflicting (list of names). seam_gap_mm: largest gap at the instant of welding.
+    residual_g_rms. constraints: max_gap_mm, max_speed_m_s (seams at the instant of welding, pins and buttons at the end), conflicting (list of names), gap_mm
+    and speed_m_s of each pin and button. bands: tension and length of each elastic and belt. seam_gap_mm: largest gap at the instant of welding.
     mannequin_penetration_mm: deepest point, 0 if none. self_intersections, mannequin_intersections: triangle pairs. energy_j: stretch, shear, bend, gravity,
     friction_work, internal_friction_work, damping_work. uncalibrated: the fabric's law values are the sheet's own. None stands for what was not measured.
     """
@@ -41,5 +42,6 @@ class RunRecord:
     self_intersections: int | None
     mannequin_intersections: int | None
     energy_j: dict[str, float | None]
+    bands: dict[str, dict[str, float]]
     uncalibrated: bool
     warnings: tuple[str, ...] = ()

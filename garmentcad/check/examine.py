@@ -8,6 +8,7 @@ from garmentcad.analysis.clearance import clearing_moves, move_panels
 from garmentcad.check.doctor import check_pattern, refusal, worst_first
 from garmentcad.check.finding import Finding
 from garmentcad.check.gather import check_gathers
+from garmentcad.check.hardware import check_hardware
 from garmentcad.check.placement import check_moves, check_placement, check_twists
 from garmentcad.check.wearing import check_wearing
 from garmentcad.cloth.lattice import build_cloth
@@ -88,4 +89,4 @@ def _check_placed(spec: GarmentSpec, pattern: Pattern, body: Mannequin, sheets: 
     moves = clearing_moves(pattern, cloth, positions, body)
     positions = move_panels(cloth, positions, moves)
     placed = [*check_moves(moves, spec.file), *check_twists(pattern, cloth, positions, spec.file), *check_placement(cloth, positions, body, spec.file)]
-    return [*placed, *worn]
+    return [*placed, *worn, *check_hardware(pattern, cloth, materials, body, spec.file)]

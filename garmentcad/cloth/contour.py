@@ -13,7 +13,7 @@ from garmentcad.arrays import indices
 from garmentcad.cloth.seam_match import SeamMatch, match_seam, part_count
 from garmentcad.errors import SpecError
 from garmentcad.geometry.polygon import crossing_point, signed_area
-from garmentcad.pattern.pattern import Edge, EdgeUse, Panel, Pattern
+from garmentcad.pattern.pattern import Edge, EdgeUse, Panel, Pattern, Seam
 
 _JOIN_MM = 0.01  # edges of a loop meet within this, and points of a contour lie farther apart than this
 
@@ -68,7 +68,7 @@ def sample_contours(pattern: Pattern, grid_mm: float) -> tuple[dict[str, Contour
             fractions[place] = values
     contours = {name: _sample_panel(panel, fractions, grid_mm) for name, panel in pattern.panels.items()}
     number = {name: index for index, name in enumerate(pattern.panels)}
-    return contours, [_stitches(seam.a, seam.b, match, contours, number) for seam, match in zip(pattern.seams, matches)]
+    return contours, [_stitches(seam, match, contours, number) for seam, match in zip(pattern.seams, matches)]
 
 
 def _sample_panel(panel: Panel, sewn: dict[tuple[str, int], np.ndarray], grid_mm: float) -> Contour:
@@ -127,10 +127,14 @@ def _check_loops(panel: Panel, contour: Contour, grid_mm: float) -> None:
         raise SpecError(f"a hole, sampled at {grid_mm:g} mm, meets the outline or another hole: {shapely.is_valid_reason(contour.polygon)}", key=key)
 
 
-def _stitches(a: tuple[EdgeUse, ...], b: tuple[EdgeUse, ...], match: SeamMatch, contours: dict[str, Contour], number: dict[str, int]) -> np.ndarray:
-    arriving_a, leaving_a = _run_points(a, match.joints_a, match.count, contours, number)
-    arriving_b, leaving_b = _run_points(b, match.joints_b, match.count, contours, number)
+def _stitches(seam: Seam, match: SeamMatch, contours: dict[str, Contour], number: dict[str, int]) -> np.ndarray:
+    """Stitches (S,4) along a seam, or along the closed part of a zip."""
+    arriving_a, leaving_a = _run_points(seam.a, match.joints_a, match.count, contours, number)
+    arriving_b, leaving_b = _run_points(seam.b, match.joints_b, match.count, contours, number)
     pairs = np.stack([np.hstack([arriving_a, arriving_b]), np.hstack([leaving_a, leaving_b])], axis=1).reshape(-1, 4)
+    if seam.closed is not None:
+        teeth = round(seam.closed * (match.count - 1))
+        pairs = pairs[: 2 * (teeth + 1) if teeth > 0 else 0]
     fresh = np.append(True, np.any(pairs[1:] != pairs[:-1], axis=1))
     apart = np.any(pairs[:, :2] != pairs[:, 2:], axis=1)  # the apex of a dart needs no stitch
     return indices(pairs[fresh & apart])

@@ -13,7 +13,7 @@ class State:
     """positions, velocities: (P,3) m, m/s. friction: sliders of internal friction by name of force (empty before the first step).
 
     fold_angles: (F,) rad, to which each fold line of the cloth goes back when nothing else bends it; pressing moves them.
-    constraint_speeds: (R,3) m/s, what the constraints demand of their gaps at this moment.
+    constraint_speeds: (R,3) m/s, what the constraints demand of their gaps at this moment; constraint_forces: (R,3) N, their multipliers in the last step.
     contact: arrays of the detection clock and the candidate lists, by contact name; owned by the contacts, kept here so that a resumed run needs no
     extra detection. work_j: work done so far by the friction of contact and by internal friction. phase and rest: bookkeeping of the run (names in
     simulation/).
@@ -30,6 +30,7 @@ class State:
     contact: dict[str, np.ndarray] = field(default_factory=dict)
     run: dict[str, float] = field(default_factory=dict)
     work_j: dict[str, float] = field(default_factory=lambda: {"friction": 0.0, "internal_friction": 0.0})
+    constraint_forces: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
     fold_angles: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     def sha256(self) -> str:

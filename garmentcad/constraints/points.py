@@ -1,4 +1,4 @@
-"""Dynamic constraints on weighted points: stitches that close, pins, points on moving bodies.
+"""Dynamic constraints on weighted points: stitches that close, pins, buttons, points on moving bodies.
 
 A row is C = sum_k w_k x_k - target = 0 (three axes). Demanded is C'' = -ks C - kd C' with kd = 2 sqrt(ks) (critical damping), so that C decays as
 (1 + r t) exp(-r t) with the closing rate r = sqrt(ks). The multipliers solve (J M^-1 J^T) lambda = -(J' v + J M^-1 f + ks C + kd C'); J is constant here,
@@ -8,6 +8,9 @@ Source: Witkin, Gleicher, Welch 1990 (dynamic constraints); Baumgarte 1972 (the 
 The correction is applied to velocities after the forces: what the multipliers add over one step is M^-1 J^T A^-1 (wanted C' - J v).
 C' is carried along as it was demanded, not as contact left it: a contact that stops one end would otherwise feed the force on the stopped end into the
 other end, step by step. A multiplier is a force and has a cap, so that a seam that cannot close does not tear the cloth.
+
+A button holds its buttonhole beside it, but not on it: between both lies the cloth, and some thread. Along the normal n of the cloth below such a row is free
+from 0 to its shank: C leaves the part of C.n out that lies between the two, and C'.n is only kept from leading farther out in a step than the shank allows.
 
 The last millimetres of an exponential decay are slow, and two ends that are pressed onto both flanks of a ridge of the body are driven apart faster than it
 demands: they would stand still before they meet. So a closing speed has a floor, until the way left is less than ten steps of it.
@@ -29,19 +32,43 @@ from garmentcad.errors import InputError
 
 @dataclass(frozen=True)
 class PointRows:
-    """Rows of constraints. row, particle, weight: (K,) entries of J; targets (R,3) m; names (R,) what each row serves (a seam, a pin)."""
+    """Rows of constraints. row, particle, weight: (K,) entries of J; targets (R,3) m; names (R,) what each row serves (a seam, a pin).
+
+    The nodes of a body are numbered after the particles: an entry there ties a row to the body wherever that moves. shank: (R,) m, along which a row is free on
+    the outer side of a triangle of the cloth; normal_of: (R,3) its particles.
+    """
 
     row: np.ndarray
     particle: np.ndarray
     weight: np.ndarray
     targets: np.ndarray
     names: tuple[str, ...]
+    shank: np.ndarray
+    normal_of: np.ndarray
+
+    @classmethod
+    def plain(cls, row: np.ndarray, particle: np.ndarray, weight: np.ndarray, targets: np.ndarray, names: tuple[str, ...]) -> PointRows:
+        """Rows whose targets stand still."""
+        return cls(row, particle, weight, targets, names, np.zeros(len(targets)), np.zeros((len(targets), 3), dtype=np.int32))
+
+
+def joined_rows(first: PointRows, second: PointRows) -> PointRows:
+    """The rows of both, those of the first in front."""
+    return PointRows(
+        np.concatenate([first.row, second.row + len(first.targets)]),
+        np.concatenate([first.particle, second.particle]),
+        np.concatenate([first.weight, second.weight]),
+        np.concatenate([first.targets, second.targets]),
+        first.names + second.names,
+        np.concatenate([first.shank, second.shank]),
+        np.concatenate([first.normal_of, second.normal_of]),
+    )
 
 
 def stitch_rows(stitches: np.ndarray, names: tuple[str, ...]) -> PointRows:
     """Rows that bring the two particles of each stitch (S,2) together."""
     count = len(stitches)
-    return PointRows(np.repeat(np.arange(count), 2), stitches.ravel(), np.tile([1.0, -1.0], count), np.zeros((count, 3)), names)
+    return PointRows.plain(np.repeat(np.arange(count), 2), stitches.ravel(), np.tile([1.0, -1.0], count), np.zeros((count, 3)), names)
 
 
 class Rows(NamedTuple):
@@ -60,8 +87,11 @@ class Bonds(NamedTuple):
     spread: Rows
     targets: np.ndarray  # (R,3) m
     wanted: np.ndarray  # (R,3) m/s
-    room: np.ndarray  # (R,3) scratch
-    numbers: np.ndarray  # (3,) rate 1/s, least speed m/s, largest force N
+    forces: np.ndarray  # (R,3) N, multipliers
+    normals: np.ndarray  # (R,3) along which a row is free; 0 for those that are not
+    shanks: np.ndarray  # (R,) m
+    bounds: np.ndarray  # (R,2) m/s, scratch: least and largest speed along the normal in this step
+    numbers: np.ndarray  # (4,) rate 1/s, least speed m/s, largest force N, 1 where the forces stay as they are
 
 
 @kernel
@@ -74,14 +104,21 @@ def _row_times(rows, r, vectors):  # type: ignore[no-untyped-def]
 
 
 @kernel
+def _along(normals, r, vector):  # type: ignore[no-untyped-def]
+    return normals[r, 0] * vector[0] + normals[r, 1] * vector[1] + normals[r, 2] * vector[2]
+
+
+@kernel
 def demand_speeds(bonds, positions, time_step):  # type: ignore[no-untyped-def]
     """Demanded C' after this step, in place, from the gaps and the demanded C' at its beginning."""
     rate, least_speed = bonds.numbers[0], bonds.numbers[1]
     for r in range(len(bonds.targets)):
         gap = _row_times(bonds.jacobian, r, positions)
+        outside = _along(bonds.normals, r, gap) - _along(bonds.normals, r, bonds.targets[r])
+        free = min(max(outside, 0.0), bonds.shanks[r])
         length = along = 0.0
         for axis in range(3):
-            difference = gap[axis] - bonds.targets[r, axis]
+            difference = gap[axis] - bonds.targets[r, axis] - free * bonds.normals[r, axis]
             bonds.wanted[r, axis] = (1.0 - 2.0 * rate * time_step) * bonds.wanted[r, axis] - rate**2 * time_step * difference
             length += difference * difference
             along -= difference * bonds.wanted[r, axis]
@@ -89,7 +126,10 @@ def demand_speeds(bonds, positions, time_step):  # type: ignore[no-untyped-def]
         lacking = min(least_speed, 0.1 * length / time_step) - along / length
         if least_speed > 0.0 and lacking > 0.0:
             for axis in range(3):
-                bonds.wanted[r, axis] -= lacking * (gap[axis] - bonds.targets[r, axis]) / length
+                bonds.wanted[r, axis] -= lacking * (gap[axis] - bonds.targets[r, axis] - free * bonds.normals[r, axis]) / length
+        wanted = _along(bonds.normals, r, bonds.wanted[r])
+        bonds.bounds[r, 0] = wanted if outside < 0.0 else -math.inf
+        bonds.bounds[r, 1] = wanted if outside > bonds.shanks[r] else (bonds.shanks[r] - outside) / time_step
 
 
 @kernel
@@ -99,19 +139,37 @@ def correct_speeds(bonds, time_step, velocities):  # type: ignore[no-untyped-def
     lacking = np.empty((count, 3))
     for r in range(count):
         speed = _row_times(bonds.jacobian, r, velocities)
+        now = _along(bonds.normals, r, speed)
+        outward = min(max(now, bonds.bounds[r, 0]), bonds.bounds[r, 1]) - _along(bonds.normals, r, bonds.wanted[r])
         for axis in range(3):
-            lacking[r, axis] = bonds.wanted[r, axis] - speed[axis]
+            lacking[r, axis] = bonds.wanted[r, axis] + outward * bonds.normals[r, axis] - speed[axis]
     for r in range(count):
         impulse = _row_times(bonds.solved, r, lacking)
         size = math.sqrt(impulse[0] ** 2 + impulse[1] ** 2 + impulse[2] ** 2)
         share = largest / size if size > largest else 1.0
         for axis in range(3):
-            bonds.room[r, axis] = share * impulse[axis]
+            bonds.forces[r, axis] = share * impulse[axis] / time_step
+    push(bonds, time_step, velocities)
+
+
+@kernel
+def push(bonds, time_step, velocities):  # type: ignore[no-untyped-def]
+    """Add to velocities, in place, what the constraint forces do in a step."""
     for p in range(len(bonds.spread.starts) - 1):
         if bonds.spread.starts[p + 1] > bonds.spread.starts[p]:
-            change = _row_times(bonds.spread, p, bonds.room)
+            change = _row_times(bonds.spread, p, bonds.forces)
             for axis in range(3):
-                velocities[p, axis] += change[axis]
+                velocities[p, axis] += time_step * change[axis]
+
+
+@kernel
+def apply_bonds(bonds, positions, time_step, velocities):  # type: ignore[no-untyped-def]
+    """The constraints of a step, after its forces."""
+    if bonds.numbers[3] > 0.0:
+        push(bonds, time_step, velocities)
+    else:
+        demand_speeds(bonds, positions, time_step)
+        correct_speeds(bonds, time_step, velocities)
 
 
 def _rows(matrix: csr_matrix) -> Rows:
@@ -122,28 +180,46 @@ def no_bonds() -> Bonds:
     """No constraint at all."""
     empty = Rows(np.zeros(1, np.int32), np.zeros(0, np.int32), np.zeros(0))
     none = np.zeros((0, 3))
-    return Bonds(empty, empty, empty, none, none, none, np.zeros(3))
+    return Bonds(empty, empty, empty, none, none, none, none, np.zeros(0), np.zeros((0, 2)), np.zeros(4))
 
 
 class ConstraintPoints:
     """All point constraints of a cloth, solved together at each step.
 
     rate: closing rate r [1/s]; ks = r^2, and ks dt^2 must stay below 0.1. cap: largest force of a row [N]. least_speed: floor of the closing speed [m/s].
+    nodes: number of particles and nodes of a body, as many as the positions have that it is given; default: the particles alone.
+    `loaded`: the multipliers stay what they were. Where contact holds against a constraint, what each of them carries depends on the inertia of the moment;
+    whether forces balance does not.
     `redundant` names rows that repeat others (they are solved by least squares).
     """
 
-    def __init__(self, rows: PointRows, inverse_masses: np.ndarray, rate: float, cap: float = np.inf, least_speed: float = 0.0) -> None:
+    def __init__(
+        self, rows: PointRows, inverse_masses: np.ndarray, rate: float, cap: float = np.inf, least_speed: float = 0.0, nodes: int | None = None
+    ) -> None:
         self.names, self.cap, self.least_speed = rows.names, cap, least_speed
-        self.targets = rows.targets
-        self.rate = rate
-        self._jacobian: csr_matrix = coo_matrix((rows.weight, (rows.row, rows.particle)), shape=(len(rows.targets), len(inverse_masses))).tocsr()
+        self.targets, self.rate = rows.targets, rate
+        self._shanks, self._normals = rows.shank, np.zeros_like(rows.targets)
+        self._free = np.flatnonzero(rows.shank > 0.0)
+        self._normal_of = rows.normal_of[self._free]
+        count = len(inverse_masses) if nodes is None else nodes
+        self._jacobian: csr_matrix = coo_matrix((rows.weight, (rows.row, rows.particle)), shape=(len(rows.targets), count)).tocsr()
+        self.loaded = False
         self.redundant: tuple[str, ...] = ()
         self.set_inverse_masses(inverse_masses)
 
+    def aim(self, positions: np.ndarray) -> None:
+        """Turn the normals of the rows that are free along one to those of cloth at these positions."""
+        a, b, c = (positions[self._normal_of[:, k]] for k in range(3))
+        normal = np.cross(b - a, c - a)
+        self._normals[self._free] = normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-30)
+
     def set_inverse_masses(self, inverse_masses: np.ndarray) -> None:
         """Masses (P,) 1/kg changed: factor the blocks anew. InputError where a row holds only fixed particles away from their target."""
-        self._spread: csr_matrix = (diags(inverse_masses) @ self._jacobian.T).tocsr()
-        matrix = (self._jacobian @ self._spread).tocsr()
+        mobility = np.zeros(self._jacobian.shape[1])  # a body goes its own way
+        mobility[: len(inverse_masses)] = inverse_masses
+        spread: csr_matrix = (diags(mobility) @ self._jacobian.T).tocsr()
+        matrix = (self._jacobian @ spread).tocsr()
+        self._spread: csr_matrix = spread[: len(inverse_masses)]
         if (matrix.diagonal() <= 0.0).any():
             raise InputError(f"constraint '{self.names[int(np.argmin(matrix.diagonal()))]}' acts on fixed particles only; at least one must be free to move")
         count, label = connected_components(matrix, directed=False)
@@ -169,16 +245,21 @@ class ConstraintPoints:
         self.redundant = tuple(sorted(redundant))
 
     def gaps(self, positions: np.ndarray) -> np.ndarray:
-        """C (R,3), m."""
-        return self._jacobian @ positions - self.targets
+        """C (R,3), m; positions: of all nodes, as in `speeds`. Normals are those of the last `aim`."""
+        gap = self._jacobian @ positions - self.targets
+        return gap - np.clip((gap * self._normals).sum(axis=1), 0.0, self._shanks)[:, None] * self._normals
 
     def speeds(self, velocities: np.ndarray) -> np.ndarray:
         """C' (R,3), m/s, for targets at rest."""
         return self._jacobian @ velocities
 
-    def bonds(self, wanted: np.ndarray) -> Bonds:
-        """The constraints as `demand_speeds` and `correct_speeds` need them; wanted (R,3): the demanded C', which they change in place."""
+    def pulls(self, forces: np.ndarray) -> np.ndarray:
+        """What multipliers (R,3) N do to the particles (P,3), N."""
+        return np.asarray(self._jacobian[:, : self._spread.shape[0]].T @ forces)
+
+    def bonds(self, wanted: np.ndarray, forces: np.ndarray) -> Bonds:
+        """The constraints as `apply_bonds` needs them; wanted, forces (R,3): the demanded C' and the multipliers, which it changes in place."""
         return Bonds(
-            _rows(self._jacobian), _rows(self._solved), _rows(self._spread), floats(self.targets), wanted, np.zeros_like(wanted),
-            floats([self.rate, self.least_speed, self.cap]),
+            _rows(self._jacobian), _rows(self._solved), _rows(self._spread), floats(self.targets), wanted, forces, floats(self._normals),
+            floats(self._shanks), np.zeros((len(wanted), 2)), floats([self.rate, self.least_speed, self.cap, float(self.loaded)]),
         )  # fmt: skip

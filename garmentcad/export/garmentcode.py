@@ -44,7 +44,7 @@ def garmentcode_of(pattern: Pattern, mannequin: Mannequin) -> tuple[dict[str, An
             raise SpecError("GarmentCode files have no cutouts; draw the hole as part of the outline", key=f"panels.{panel.name}.cutouts")
     simple = _cut(pattern, {(panel.name, k): _own_cuts(edge.curve) for panel in pattern.panels.values() for k, edge in enumerate(panel.edges)})
     matched = _cut(simple, _seam_cuts(simple))
-    stitches = [stitch for seam in matched.seams for stitch in _stitches(seam)]
+    stitches = [stitch for seam in matched.seams if seam.closed is None for stitch in _stitches(seam)]
     panels = {name: _panel(panel, mannequin) for name, panel in sorted(matched.panels.items())}
     _agree_on_labels(panels, stitches)
     content = {
@@ -68,6 +68,10 @@ def _left_out(pattern: Pattern) -> Iterator[str]:
             yield f"panel {panel.name}: {', '.join(named)} left out; the format has no place for them"
         if not isinstance(panel.placement, Transform):
             yield f"panel {panel.name}: placed flat, in the plane that comes nearest to the wrapped panel"
+    hardware = [f"pin {pin.name}" for pin in pattern.pins] + [f"button {button.name}" for button in pattern.buttons]
+    hardware += [f"zip {seam.name}" for seam in pattern.seams if seam.closed is not None] + [f"band {band.name}" for band in pattern.bands]
+    for part in hardware:
+        yield f"{part}: left out; the format has no place for it"
     for seam in pattern.seams:
         if seam.fold_angle_deg or seam.strength_n_m is not None:
             yield f"seam {seam.name}: fold angle and strength left out; the format has no place for them"

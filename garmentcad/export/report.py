@@ -24,8 +24,8 @@ SCHEMA = 1
 NESTED = {
     "wall_time_s": ("setup", "drape", "total"),
     "rest": ("max_speed_m_s", "rms_speed_m_s", "kinetic_j_per_kg", "residual_g_rms"),
-    "constraints": ("max_gap_mm", "max_speed_m_s", "conflicting"),
-    "energy_j": ("stretch", "shear", "bend", "gravity", "friction_work", "internal_friction_work", "damping_work"),
+    "constraints": ("max_gap_mm", "max_speed_m_s", "conflicting", "gap_mm", "speed_m_s"),
+    "energy_j": ("stretch", "shear", "bend", "band", "gravity", "friction_work", "internal_friction_work", "damping_work"),
 }
 HEM_KEYS = tuple(field.name for field in fields(HemShape))
 SIGNIFICANT_DIGITS = 9
@@ -72,6 +72,7 @@ def build_report(record: RunRecord, measures: Measures) -> dict[str, Any]:
         "strain_of_limit_percent": measures.strain_of_limit_percent,
         "tension_n_m": measures.tension_n_m,
         "constraints": _ordered("constraints", record.constraints),
+        "bands": record.bands,
         "seam_gap_mm": {"max": record.seam_gap_mm},
         "mannequin_penetration_mm": {"max": record.mannequin_penetration_mm},
         "self_intersections": record.self_intersections,
@@ -148,6 +149,10 @@ def report_table(report: Mapping[str, Any]) -> Table:
         table.add_row(f"strain {axis}", f"median {_show(values['p50'])} %, p99 {_show(values['p99'])} %, max {_show(values['max'])} %")
     table.add_row("trellis angle", f"p99 {_show(report['trellis_deg']['p99'])}°, {_show(report['trellis_deg']['over_8_percent'])} % of the area over 8°")
     table.add_row("pressure", f"max {_show(report['pressure_kpa']['max'])} kPa, mean in contact {_show(report['pressure_kpa']['mean_in_contact'])} kPa")
+    for name, gap in report["constraints"]["gap_mm"].items():
+        table.add_row(f"held by {name}", f"within {_show(gap, 2)} mm")
+    for name, band in report["bands"].items():
+        table.add_row(f"band {name}", f"{_show(band['tension_n'])} N, {band['length_mm']:.0f} mm long, {band['rest_length_mm']:.0f} mm at rest")
     table.add_row("seam gap at welding", f"{_show(report['seam_gap_mm']['max'], 2)} mm")
     table.add_row("intersections", f"{_count(report['self_intersections'])} in the cloth, {_count(report['mannequin_intersections'])} with the mannequin")
     table.add_row("deepest penetration", f"{_show(report['mannequin_penetration_mm']['max'], 2)} mm")

@@ -12,6 +12,7 @@ from garmentcad.cloth.cloth import Cloth
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces import bend as bend_lines
 from garmentcad.forces import fold as fold_lines
+from garmentcad.forces.band import ForceBand, no_bands, write_bands
 from garmentcad.forces.bend import bend_part
 from garmentcad.forces.border import ForceBorder, border_part
 from garmentcad.forces.fold import ForceFold, fold_part
@@ -63,12 +64,13 @@ def _write_all(deal, first, blocks, coefficients, setting, rooms, border, bend, 
 @inlined
 def write_internal(laws, positions, velocities, corner_forces):  # type: ignore[no-untyped-def]
     """All corner forces, in one parallel region. laws: see `law_arguments`."""
-    deal, first, lattice, border, bend, span, hinge, fold, (a, b, c, d), lost = laws
+    deal, first, lattice, border, bend, span, hinge, fold, (a, b, c, d), lost, bands = laws
     blocks, coefficients, setting, rooms = lattice
     _write_all(
         deal, first, blocks, coefficients, setting, rooms, border[0], bend[0], span[0], hinge[0], fold[0], a, b, c, d, positions, velocities,
         corner_forces, lost,
     )  # fmt: skip
+    write_bands(bands, positions, corner_forces[first[6] :])
 
 
 class Deal(NamedTuple):
@@ -80,11 +82,12 @@ class Deal(NamedTuple):
 
 
 def law_arguments(forces: tuple[Any, ...], sliders: dict[str, np.ndarray], lost: np.ndarray) -> tuple[Any, ...]:
-    """Arguments of `write_internal` for the forces of `internal_forces`: the deal, where the corners of each begin, what each compiled law needs, the
-    sliders by name of force, which are moved, and lost (BINS,), to which the energy that they lose [J] is added."""
-    if tuple(force.name for force in forces) != LAWS:
-        raise ValueError(f"forces {[force.name for force in forces]}; the stepper knows {list(LAWS)}, in this order")
-    lattice, border, bend, span, hinge, fold = forces
+    """Arguments of `write_internal` for the forces of `internal_forces`, which a `ForceBand` may follow: the deal, where the corners of each begin, what each
+    compiled law needs, the sliders by name of force, which are moved, and lost (BINS,), to which the energy that they lose [J] is added, and the bands."""
+    if tuple(force.name for force in forces) not in (LAWS, (*LAWS, ForceBand.name)):
+        raise ValueError(f"forces {[force.name for force in forces]}; the stepper knows {list(LAWS)}, in this order, and {ForceBand.name} after them")
+    lattice, border, bend, span, hinge, fold = forces[: len(LAWS)]
+    bands = forces[-1].segments if len(forces) > len(LAWS) else no_bands()
     corners = (1, 3, bend_lines.CORNERS, 4, 4, fold_lines.CORNERS)
     sizes = [lattice.arguments[0].size]
     for force, per_element in zip((border, bend, span, hinge, fold), corners[1:]):
@@ -100,10 +103,10 @@ def law_arguments(forces: tuple[Any, ...], sliders: dict[str, np.ndarray], lost:
         load[lightest] += work[k]
     order = np.array([k for one in bins for k in one], dtype=np.int64)
     start = np.cumsum([0, *(len(one) for one in bins)])
-    first = np.cumsum([0, *(len(force.corners) for force in forces)])
+    first = np.cumsum([0, *(len(force.corners) for force in forces[: len(LAWS)])])
     deal = Deal(indices(start), indices(kind[order]), indices(part[order]))
     held = tuple(sliders[force.name] for force in (lattice, border, bend, hinge))
-    return deal, first, *(force.arguments for force in forces), held, lost
+    return deal, first, *(force.arguments for force in forces[: len(LAWS)]), held, lost, bands
 
 
 def internal_forces(cloth: Cloth, materials: MaterialTable, damping_ratio: float = DAMPING_RATIO, fold_angles: np.ndarray | None = None) -> list[Force]:

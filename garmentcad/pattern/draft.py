@@ -11,6 +11,7 @@ from garmentcad.arrays import frozen
 from garmentcad.errors import InputError, SpecError, did_you_mean
 from garmentcad.pattern.darts import add_notches, cut_darts
 from garmentcad.pattern.fold import draft_folds
+from garmentcad.pattern.hardware import draft_hardware
 from garmentcad.pattern.mirror import mirrored_panel, unfold
 from garmentcad.pattern.outline import draft_loop, finish_loop, is_counter_clockwise, reverse_edge
 from garmentcad.pattern.pattern import Edge, EdgeUse, Panel, Pattern, Seam, Transform, Wrap
@@ -71,11 +72,14 @@ def draft_errors(spec: GarmentSpec, measurements_mm: Mapping[str, float], values
             seams.append(draft_seam(seam, panels, scope, f"seams.{k}"))
         except InputError as fault:
             keep(fault)
+    if errors and len(panels) < len(spec.panels):
+        return None, errors  # what lies on a panel with faults cannot be told
+    pins, buttons, zips, bands = draft_hardware(spec, panels, scope, keep)
     if errors:
         return None, errors
     ordered = {name: panels[name] for name in spec.panels}
-    seams = [seam for panel in ordered.values() for seam in _dart_seams(panel)] + seams
-    return Pattern(spec.name, ordered, tuple(seams), spec.fabric, spec.mannequin, parameters, dict(measurements_mm)), []
+    every = (*(seam for panel in ordered.values() for seam in _dart_seams(panel)), *seams, *zips)
+    return Pattern(spec.name, ordered, every, spec.fabric, spec.mannequin, parameters, dict(measurements_mm), pins, buttons, bands), []
 
 
 def _draft_panel(name: str, spec: PanelSpec, scope: Scope) -> Panel:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from typing import Literal
+from typing import Literal, TypeVar
 
 from pydantic import Field, PrivateAttr
 
 from garmentcad.errors import SpecError
 from garmentcad.pattern.model import Model
-from garmentcad.pattern.pattern import EdgeUse, Panel, Pattern, Seam, Wrap
+from garmentcad.pattern.pattern import Band, Button, EdgeUse, Panel, PanelPoint, Pattern, Pin, Seam, Wrap
 from garmentcad.pattern.spec import Name, Variable
 
 LAYER_MM = 25.0  # by which panels start farther from the body than those of the garments below: an estimate, wide enough for sleeves that start askew
@@ -53,6 +53,9 @@ def put_on(name: str, patterns: Sequence[Pattern], mannequin: str) -> Pattern:
         raise SpecError(f"two garments are called {twice!r}; the panels of an outfit are told apart by the names of its garments", key="garments")
     panels: dict[str, Panel] = {}
     seams: list[Seam] = []
+    pins: list[Pin] = []
+    buttons: list[Button] = []
+    bands: list[Band] = []
     for layer, pattern in enumerate(patterns):
         wider = _wider(pattern, panels.values())
         for panel in pattern.panels.values():
@@ -62,17 +65,30 @@ def put_on(name: str, patterns: Sequence[Pattern], mannequin: str) -> Pattern:
                 rule = replace(rule, offset_mm=rule.offset_mm + offset, scale=rule.scale + scale)
             panels[own] = replace(panel, name=own, placement=rule, fabric=panel.fabric or pattern.fabric, layer=layer)
         for seam in pattern.seams:
-            a, b = (tuple(EdgeUse(_named(pattern, use.panel), use.edge, use.reverse) for use in side) for side in (seam.a, seam.b))
+            a, b = (tuple(_moved(pattern, use) for use in side) for side in (seam.a, seam.b))
             seams.append(replace(seam, name=_named(pattern, seam.name), a=a, b=b))
+        pins += [replace(pin, name=_named(pattern, pin.name), at=_moved(pattern, pin.at)) for pin in pattern.pins]
+        for button in pattern.buttons:
+            buttons.append(Button(_named(pattern, button.name), _moved(pattern, button.button), _moved(pattern, button.buttonhole)))
+        for band in pattern.bands:
+            lines = tuple(tuple(_moved(pattern, part) for part in line) for line in band.lines)
+            bands.append(replace(band, name=_named(pattern, band.name), lines=lines))  # type: ignore[arg-type]
     values = {f"{pattern.name}.{key}": value for pattern in patterns for key, value in pattern.values.items()}
-    return Pattern(name, panels, tuple(seams), patterns[0].fabric, mannequin, values, patterns[0].measurements_mm)
+    return Pattern(name, panels, tuple(seams), patterns[0].fabric, mannequin, values, patterns[0].measurements_mm, tuple(pins), tuple(buttons), tuple(bands))
 
 
 def below(pattern: Pattern) -> Pattern:
     """What is worn under the outermost garment of an outfit."""
     outermost = max(panel.layer for panel in pattern.panels.values())
     panels = {name: panel for name, panel in pattern.panels.items() if panel.layer < outermost}
-    return replace(pattern, panels=panels, seams=tuple(seam for seam in pattern.seams if seam.a[0].panel in panels))
+    return replace(
+        pattern,
+        panels=panels,
+        seams=tuple(seam for seam in pattern.seams if seam.a[0].panel in panels),
+        pins=tuple(pin for pin in pattern.pins if pin.at.panel in panels),
+        buttons=tuple(button for button in pattern.buttons if button.button.panel in panels),
+        bands=tuple(band for band in pattern.bands if band.lines[0][0].panel in panels),
+    )
 
 
 def _wider(pattern: Pattern, below: Iterable[Panel]) -> dict[str, tuple[float, float]]:
@@ -95,6 +111,14 @@ def _rules(panels: Iterable[Panel]) -> dict[str, list[Wrap]]:
         if isinstance(panel.placement, Wrap):
             found.setdefault(panel.placement.part, []).append(panel.placement)
     return found
+
+
+_Part = TypeVar("_Part", bound=EdgeUse | PanelPoint)
+
+
+def _moved(pattern: Pattern, part: _Part) -> _Part:
+    """A part of an edge or a point on the panel of that name in the outfit."""
+    return replace(part, panel=_named(pattern, part.panel))
 
 
 def _named(pattern: Pattern, name: str) -> str:

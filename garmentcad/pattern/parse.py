@@ -46,7 +46,7 @@ def spec_errors(fault: ValidationError, file: str | None) -> list[SpecError]:
             message = "this key is missing"
         elif kind in ("model_type", "model_attributes_type", "dict_type"):
             message = f"a mapping is wanted, came {shown(error['input'])}"
-        elif kind not in ("one_of", "arc", "later"):
+        elif kind not in ("one_of", "arc"):
             message = f"{message[:1].lower()}{message[1:]}, came {shown(error['input'])}"
         found.append(SpecError(message, file=file, key=".".join(path) or None))
     return found

@@ -117,7 +117,8 @@ class EdgeUse:
 
 @dataclass(frozen=True)
 class Seam:
-    """Side a is sewn to side b, the first point of a to the first of b. ease: length of a over length of b minus 1, as intended."""
+    """Side a is sewn to side b, the first point of a to the first of b. ease: length of a over length of b minus 1, as intended.
+    closed: part of a zip that is closed, from the first points on; None for a seam."""
 
     name: str
     a: tuple[EdgeUse, ...]
@@ -126,6 +127,53 @@ class Seam:
     fold_angle_deg: float = 0.0
     bend_factor: float = 2.0
     strength_n_m: float | None = None
+    closed: float | None = None
+
+
+@dataclass(frozen=True)
+class PanelPoint:
+    """A named point or drill hole of a panel."""
+
+    panel: str
+    name: str
+    uv_mm: tuple[float, float]
+
+    def __str__(self) -> str:
+        return f"{self.panel}.{self.name}"
+
+
+@dataclass(frozen=True)
+class Pin:
+    """A point of a panel that stays at `offset_mm` from a landmark of the mannequin, or from the origin of the world (landmark None)."""
+
+    name: str
+    at: PanelPoint
+    landmark: str | None
+    offset_mm: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Button:
+    """A buttonhole that lies over a button."""
+
+    name: str
+    button: PanelPoint
+    buttonhole: PanelPoint
+
+
+@dataclass(frozen=True)
+class Band:
+    """An elastic or a belt along lines: edge pieces of a panel as they follow one another, or two points of a panel and the straight line between them.
+
+    ratio: rest length of an elastic over that of its lines, each part of which keeps its own tension; None for a belt, whose ring is `length_mm` long when
+    nothing pulls and has one tension all around.
+    """
+
+    name: str
+    lines: tuple[tuple[EdgeUse, ...] | tuple[PanelPoint, PanelPoint], ...]
+    stiffness_n: float
+    ratio: float | None = None
+    length_mm: float | None = None
 
 
 @dataclass(frozen=True)
@@ -139,6 +187,9 @@ class Pattern:
     mannequin: str
     values: dict[str, float]
     measurements_mm: dict[str, float]
+    pins: tuple[Pin, ...] = ()
+    buttons: tuple[Button, ...] = ()
+    bands: tuple[Band, ...] = ()
 
 
 def named_fabrics(pattern: Pattern) -> dict[str, str]:

@@ -61,13 +61,29 @@ def _edge_point(value: str) -> str:
     return value
 
 
+def _panel_point(value: str) -> str:
+    if len(value.split(".")) != 2:
+        raise PydanticCustomError("panel_point", "a point is written panel.point, where the panel has a point or a drill hole of that name")
+    return value
+
+
+def _line_end(value: str) -> str:
+    if len(value.split(".")) not in (2, 3):
+        raise PydanticCustomError("line_end", "an end is written panel.edge.point, or panel.point for a straight line across the panel")
+    return value
+
+
 Number = Annotated[float | str, BeforeValidator(_number)]
 Pressed = Annotated[bool | float | str, BeforeValidator(_pressed)]
 Whole = Annotated[int, BeforeValidator(_whole)]
 Name = Annotated[str, AfterValidator(_name)]
 Variable = Annotated[str, AfterValidator(_variable)]
 EdgePoint = Annotated[str, AfterValidator(_edge_point)]
+PanelPointName = Annotated[str, AfterValidator(_panel_point)]
+LineEnd = Annotated[str, AfterValidator(_line_end)]
 PointSpec = tuple[Number, Number]
+SpacePoint = tuple[Number, Number, Number]
+LineSpec = tuple[LineEnd, LineEnd]
 Run = tuple[EdgePoint, EdgePoint]
 
 
@@ -297,10 +313,69 @@ class SeamSpec(Model):
     strength: Number | None = None
 
 
-def _later(value: Any) -> Any:
-    if value:
-        raise PydanticCustomError("later", "this part of the spec is not supported yet, and nothing is dropped silently; leave it empty")
-    return value
+class PinSpec(Model):
+    """A point of a panel that stays at a point of the world (mm), as on a hook, or at a landmark of the mannequin, `offset` mm from it."""
+
+    name: Name
+    at: PanelPointName
+    point: SpacePoint | None = None
+    landmark: Name | None = None
+    offset: SpacePoint = (0.0, 0.0, 0.0)
+
+    @model_validator(mode="after")
+    def _one_target(self) -> PinSpec:
+        self._exactly_one("point", "landmark")
+        return self
+
+
+class ButtonSpec(Model):
+    """A button, and the buttonhole that lies over it: outside, on the right side of the button's panel."""
+
+    name: Name
+    button: PanelPointName
+    buttonhole: PanelPointName
+
+
+class TapesSpec(Model):
+    """The two edges that a zip joins, as the sides of a seam; the slider starts at the first points."""
+
+    a: Side
+    b: Side
+
+
+class ZipSpec(Model):
+    """A zip. closed: part of its length, from the first points on, that is closed."""
+
+    name: Name
+    zip: TapesSpec
+    closed: Number = 1.0
+    bend_factor: Number = 4.0
+
+
+def _closure_form(value: Any) -> str:
+    zipped = "zip" in value if isinstance(value, dict) else isinstance(value, ZipSpec)
+    return "<zip>" if zipped else "<button>"
+
+
+Closure = Annotated[Annotated[ButtonSpec, Tag("<button>")] | Annotated[ZipSpec, Tag("<zip>")], Discriminator(_closure_form)]
+
+
+class ElasticSpec(Model):
+    """An elastic sewn on along lines. ratio: its rest length over theirs on the panel; stiffness: N per unit of its strain."""
+
+    name: Name
+    along: list[LineSpec] = Field(min_length=1)
+    ratio: Number
+    stiffness: Number
+
+
+class BeltSpec(Model):
+    """A belt that is closed into a ring over lines, along which it slides. length: of the ring when nothing pulls, mm; stiffness: N per unit of its strain."""
+
+    name: Name
+    along: list[LineSpec] = Field(min_length=1)
+    length: Number
+    stiffness: Number
 
 
 class GarmentSpec(Model):
@@ -316,7 +391,10 @@ class GarmentSpec(Model):
     values: dict[Variable, Number] = {}
     panels: dict[Name, AnyPanel] = Field(min_length=1, max_length=200)
     seams: list[SeamSpec] = []
-    closures: Annotated[list[Any], AfterValidator(_later)] = []
+    closures: list[Closure] = Field(default=[], max_length=100)
+    pins: list[PinSpec] = Field(default=[], max_length=100)
+    elastics: list[ElasticSpec] = Field(default=[], max_length=100)
+    belts: list[BeltSpec] = Field(default=[], max_length=100)
     tests: dict[Name, GarmentTest] = {}
 
     _file: str | None = PrivateAttr(default=None)  # where it was read from: for messages and references, no part of the garment

@@ -12,7 +12,7 @@ from garmentcad.cloth.state import State
 from garmentcad.errors import CheckpointError
 from garmentcad.io.atomic import write_atomic
 
-SCHEMA = 1
+SCHEMA = 2
 
 
 def save_state(path: Path, state: State, identity: dict[str, str]) -> None:
@@ -21,7 +21,7 @@ def save_state(path: Path, state: State, identity: dict[str, str]) -> None:
         "schema": SCHEMA, "identity": identity, "time_s": state.time_s, "step": state.step, "time_step_s": state.time_step_s, "phase": state.phase,
         "run": state.run, "work_j": state.work_j,
     }  # fmt: skip
-    arrays = {"positions": state.positions, "velocities": state.velocities, "constraint_speeds": state.constraint_speeds, "fold_angles": state.fold_angles}
+    arrays = {name: getattr(state, name) for name in ("positions", "velocities", "constraint_speeds", "constraint_forces", "fold_angles")}
     arrays |= {"head": np.frombuffer(json.dumps(head).encode(), dtype=np.uint8)}
     arrays |= {f"friction.{name}": array for name, array in state.friction.items()} | {f"contact.{name}": array for name, array in state.contact.items()}
     write_atomic(path, lambda stream: np.savez(stream, **arrays))  # type: ignore[arg-type]
@@ -37,7 +37,7 @@ def load_state(path: Path, identity: dict[str, str] | None = None) -> State:
             arrays["positions"], arrays["velocities"], head["time_s"], head["step"], head["time_step_s"], head["phase"], arrays["constraint_speeds"],
             {name[9:]: array for name, array in arrays.items() if name.startswith("friction.")},
             {name[8:]: array for name, array in arrays.items() if name.startswith("contact.")},
-            head["run"], head["work_j"], arrays["fold_angles"],
+            head["run"], head["work_j"], arrays["constraint_forces"], arrays["fold_angles"],
         )  # fmt: skip
         made_by = head["identity"]
     except FileNotFoundError:

@@ -113,7 +113,8 @@ class Course:
         """Forces, masses and damping of the phase in which the state is."""
         dynamics = self.dynamics
         dynamics.steady = state.phase != "fall"
-        dynamics.equalise = self.mode == "drape" and state.phase != "watch"
+        # The shares of contact and of a constraint that it holds against depend on inertia: what is to be at rest with true masses settles with them.
+        dynamics.equalise = self.mode == "drape" and (state.phase == "fall" or (state.phase == "settle" and dynamics.constraint is None))
         dynamics.speed_cap_m_s = SPEED_CAP_M_S if self.mode == "drape" else math.inf
         softness = 1.0
         if self.mode == "drape" and state.phase == "fall":

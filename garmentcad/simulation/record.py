@@ -16,6 +16,7 @@ from garmentcad.analysis.run_record import RunRecord, Status
 from garmentcad.analysis.seam_tension import SeamTension, seam_tension
 from garmentcad.fabric.sheet import is_calibrated
 from garmentcad.forces.assembly import ForceAssembly
+from garmentcad.forces.band import ForceBand
 from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
 from garmentcad.geometry.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
@@ -23,6 +24,7 @@ from garmentcad.pattern.pattern import edge_roles
 from garmentcad.placement.place import place_vertices
 from garmentcad.simulation.run import Outcome
 from garmentcad.solve.rest import patches, residual
+from garmentcad.units import M_TO_MM
 
 LIBRARIES = ("numpy", "scipy", "numba", "trimesh", "shapely")
 
@@ -45,6 +47,7 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
         status = "diverged"
     outcome.dynamics.set_inverse_masses(outcome.dynamics.true_inverse_masses)
     widest = max(outcome.welding.gap_mm.values(), default=None)
+    held = _held(outcome) if finite else {}
     kinetic, fastest, rms = outcome.dynamics.measures(state)
     left = residual(outcome.dynamics, state, patches(cloth)).rms_g if finite else None
     energy = outcome.dynamics.forces.energy(state.positions, state.friction) if finite else {}
@@ -67,7 +70,13 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
         simulated_time_s=state.time_s,
         wall_time_s={**outcome.wall_s, "total": sum(outcome.wall_s.values()), **outcome.seconds},
         rest={"max_speed_m_s": fastest, "rms_speed_m_s": rms, "kinetic_j_per_kg": kinetic / float(cloth.masses.sum()), "residual_g_rms": left},
-        constraints={"max_gap_mm": widest, "max_speed_m_s": outcome.welding.speed_m_s, "conflicting": outcome.welding.conflicting},
+        constraints={
+            "max_gap_mm": max([*outcome.welding.gap_mm.values(), *(gap for gap, _ in held.values())], default=None),
+            "max_speed_m_s": max([*filter(None, [outcome.welding.speed_m_s]), *(speed for _, speed in held.values())], default=outcome.welding.speed_m_s),
+            "conflicting": outcome.welding.conflicting,
+            "gap_mm": {name: gap for name, (gap, _) in held.items()},
+            "speed_m_s": {name: speed for name, (_, speed) in held.items()},
+        },
         seam_gap_mm=widest,
         mannequin_penetration_mm=depth,
         self_intersections=crossings,
@@ -76,11 +85,13 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
             "stretch": _sum(energy, "stretch", "border"),
             "shear": energy.get("shear"),
             "bend": _sum(energy, "bend", "twist", "hinge", "span"),
+            "band": energy.get("band"),
             "gravity": energy.get("gravity"),
             "friction_work": state.work_j["friction"],
             "internal_friction_work": state.work_j["internal_friction"],
             "damping_work": None,  # drape mode changes masses and stiffness on the way: its damping is no energy of the cloth
         },
+        bands=_bands(outcome) if finite else {},
         uncalibrated=not all(is_calibrated(completed.sheet) for completed in job.fabrics.values()),
         warnings=(*outcome.warnings, *(f"mannequin {body.name}: {repair}" for repair in body.repairs), *findings),
     )
@@ -89,6 +100,31 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
         seams = _seams(outcome)
     folds = {f"{panel.name}.{fold.name}": fold.points_mm for panel in job.pattern.panels.values() for fold in panel.folds}
     return made, measure(cloth, state.positions, outcome.materials, body, roles, place_vertices(job.pattern, cloth, body), worn, seams, folds)
+
+
+def _held(outcome: Outcome) -> dict[str, tuple[float, float]]:
+    """|C| in mm and |C'| in m/s of each pin and button, as it is at the end."""
+    pattern, constraint = outcome.job.pattern, outcome.dynamics.constraint
+    names = {pin.name for pin in pattern.pins} | {button.name for button in pattern.buttons}
+    gaps, speeds = outcome.dynamics.constraint_errors(outcome.state)
+    return {} if constraint is None else {name: (M_TO_MM * gap, speed) for name, gap, speed in zip(constraint.names, gaps, speeds) if name in names}
+
+
+def _bands(outcome: Outcome) -> dict[str, dict[str, float]]:
+    """Tension and length of each elastic and belt."""
+    force = outcome.dynamics.forces.forces[-1]
+    if not isinstance(force, ForceBand):
+        return {}
+    segments, lengths, tensions = force.segments, force.lengths(outcome.state.positions), force.tensions(outcome.state.positions)
+    found = {}
+    for number, band in enumerate(outcome.job.pattern.bands):
+        mine = segments.band == number
+        length, rest = lengths[mine], float(segments.rest[mine].sum())
+        found[band.name] = {
+            "tension_n": float(np.average(tensions[mine], weights=length)), "max_tension_n": float(tensions[mine].max()),
+            "length_mm": M_TO_MM * float(length.sum()), "rest_length_mm": M_TO_MM * rest, "strain_percent": 100.0 * (float(length.sum()) / rest - 1.0),
+        }  # fmt: skip
+    return found
 
 
 def _seams(outcome: Outcome) -> dict[str, SeamTension | None]:

@@ -13,11 +13,10 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from garmentcad.cloth.cloth import Cloth
+from garmentcad.cloth.locate import located
 from garmentcad.cloth.state import State
 from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.force import CURVES, NO_PARTICLE, Gauge
-
-_NEAREST = 16  # triangles around a point among which the one that holds it is looked for
 
 
 def refined(coarse: Cloth, values: np.ndarray, fine: Cloth) -> np.ndarray:
@@ -27,17 +26,10 @@ def refined(coarse: Cloth, values: np.ndarray, fine: Cloth) -> np.ndarray:
     Vertices of a convex contour lie outside the chords of the coarse one: they continue its triangles.
     """
     found = np.empty((len(fine.vertex_panel), values.shape[1]))
-    triangle_panel = coarse.vertex_panel[coarse.triangles[:, 0]]
     for panel in range(len(coarse.panel_names)):
-        mine, triangles = np.flatnonzero(fine.vertex_panel == panel), coarse.triangles[triangle_panel == panel]
-        corners = coarse.vertex_uv_mm[triangles]
-        points = fine.vertex_uv_mm[mine]
-        near = cKDTree(corners.mean(axis=1)).query(points, k=min(_NEAREST, len(triangles)))[1].reshape(len(points), -1)
-        weights = _barycentric(points[:, None, :], corners[near])
-        best = np.argmax(weights.min(axis=2), axis=1)
-        rows = np.arange(len(points))
-        at = values[coarse.vertex_particle[triangles[near[rows, best]]]]
-        found[mine] = np.einsum("nk,nkx->nx", weights[rows, best], at)
+        mine = np.flatnonzero(fine.vertex_panel == panel)
+        place = located(coarse, panel, fine.vertex_uv_mm[mine])
+        found[mine] = np.einsum("nk,nkx->nx", place.weights, values[coarse.vertex_particle[place.vertices]])
     count = np.bincount(fine.vertex_particle, minlength=fine.particle_count)
     return np.column_stack([np.bincount(fine.vertex_particle, found[:, axis], fine.particle_count) / count for axis in range(values.shape[1])])
 
@@ -71,13 +63,3 @@ def refined_sliders(coarse: Cloth, before: ForceAssembly, state: State, fine: Cl
 def _first_vertex(cloth: Cloth) -> np.ndarray:
     """(P,) the first vertex of each particle."""
     return np.unique(cloth.vertex_particle, return_index=True)[1]
-
-
-def _barycentric(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """Weights (N,K,3) of points (N,1,2) in triangles (N,K,3,2)."""
-    a, b, c = corners[..., 0, :], corners[..., 1, :], corners[..., 2, :]
-    ab, ac, ap = b - a, c - a, points - a
-    area = ab[..., 0] * ac[..., 1] - ab[..., 1] * ac[..., 0]
-    v = (ap[..., 0] * ac[..., 1] - ap[..., 1] * ac[..., 0]) / area
-    w = (ab[..., 0] * ap[..., 1] - ab[..., 1] * ap[..., 0]) / area
-    return np.stack([1.0 - v - w, v, w], axis=-1)

@@ -19,11 +19,14 @@ from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.lattice import build_cloth
 from garmentcad.cloth.state import State
 from garmentcad.cloth.weld import weld, weld_seams
+from garmentcad.constraints.points import PointRows
 from garmentcad.contact.contact import Contact
 from garmentcad.contact.path import BodyPath
 from garmentcad.errors import GarmentError, LimitError
 from garmentcad.fabric.material import MaterialTable, softened, without_friction
 from garmentcad.forces.assembly import ForceAssembly
+from garmentcad.forces.band import ForceBand
+from garmentcad.forces.band_lines import band_segments
 from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
 from garmentcad.geometry.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
@@ -37,9 +40,10 @@ from garmentcad.simulation.job import Job
 from garmentcad.simulation.materials import lay_out
 from garmentcad.simulation.pressing import imposed_angles, press, under_iron
 from garmentcad.simulation.refine import refined, refined_sliders
-from garmentcad.simulation.sewing import Welding, close_seams, weld_state
+from garmentcad.simulation.sewing import Welding, close_seams, hold, weld_state
 from garmentcad.simulation.start import refuse_tangled
 from garmentcad.solve.dynamics import DivergedError, Dynamics, IntersectingError
+from garmentcad.solve.hardware import hardware_rows, redundance_message, redundances
 from garmentcad.solve.strain_limit import strain_limit
 from garmentcad.units import M_TO_MM, MM_TO_M
 
@@ -148,18 +152,20 @@ class _Run:
             inner = below(self.job.pattern) if len(self.job.worn) > 1 else None
             start = flat if inner is None else weld_seams(flat, [seam.name for seam in inner.seams])[0]
             cloth, particle_map = weld(start)
+            hardware = self._hardware(cloth)
             if self.state is None or self.state.phase == "close":
                 failed = self._sew(flat, start, cloth, particle_map)
                 if failed is not None:
                     return failed
             assert self.state is not None
             if self.state.phase == "press":
-                failed = self._press(flat, cloth)
+                failed = self._press(flat, cloth, hardware)
                 if failed is not None:
                     return failed
             dynamics, forces_at = make_dynamics(self.job, cloth, self.materials, self.state.fold_angles)
             if before is not None:
                 self.state = _refined_state(before, self.state, (cloth, dynamics.forces), level, self.job.mannequin)
+            hold(dynamics, self.state, hardware)
             if not self.state.contact:
                 dynamics.start(self.state)
             self._begin(dynamics)
@@ -174,6 +180,9 @@ class _Run:
                 return self._outcome(flat, cloth, dynamics, status)
             self._add_up(dynamics)
             before, level = (cloth, dynamics.forces), level + 1
+
+    def _hardware(self, cloth: Cloth) -> PointRows:
+        return hardware_rows(self.job.pattern, cloth, self.materials, self.job.mannequin)
 
     def _begin(self, dynamics: Dynamics) -> None:
         self._setup = self._setup or time.perf_counter() - self.began
@@ -192,7 +201,7 @@ class _Run:
             dynamics.start(self.state)
         self._begin(dynamics)
         try:
-            welding = close_seams(dynamics, self.state, self.keep)
+            welding = close_seams(dynamics, self.state, self._hardware(start), self.keep)
         except (DivergedError, IntersectingError) as error:
             self.warnings.append(str(error))
             return self._outcome(flat, start, dynamics, error.status)
@@ -219,11 +228,12 @@ class _Run:
             return self.materials
         return self.materials._replace(bending=CARD_BENDING * self.materials.bending, twist=CARD_BENDING * self.materials.twist)
 
-    def _press(self, flat: Cloth, cloth: Cloth) -> Outcome | None:
+    def _press(self, flat: Cloth, cloth: Cloth, hardware: PointRows) -> Outcome | None:
         """Lay the folds and set them; an outcome only where that failed."""
         assert self.state is not None
         iron = under_iron(cloth)
         dynamics, _ = make_dynamics(self.job, iron, without_friction(self.materials), imposed_angles(self.job), dressing=True)
+        hold(dynamics, self.state, hardware)
         if not self.state.contact:
             dynamics.start(self.state)
         self._begin(dynamics)
@@ -245,6 +255,7 @@ class _Run:
         if welding.open_seams:
             self.warnings += welding.open_seams
             status = "max_time" if status == "converged" else status
+        self.warnings += [redundance_message(found) for found in redundances(self._hardware(cloth), cloth, self.job.mannequin)]
         factor = self.state.run.get("step_factor", 1.0)
         if factor < 1.0:
             self.warnings.append(f"motion ran away at the time step that the stiffness allows; the run went back and on with {factor:g} of it")
@@ -266,19 +277,20 @@ def _refined_state(before: tuple[Cloth, ForceAssembly], state: State, after: tup
     friction = refined_sliders(*before, state, *after, positions)
     run = kept | {"level": float(level)}
     made = State(positions, velocities, state.time_s, state.step, phase="fall", friction=friction, run=run, fold_angles=state.fold_angles)
-    made.work_j = dict(state.work_j)
+    made.work_j, made.constraint_speeds, made.constraint_forces = dict(state.work_j), state.constraint_speeds, state.constraint_forces
     return made
 
 
 def make_dynamics(
     job: Job, cloth: Cloth, materials: MaterialTable, fold_angles: np.ndarray, dressing: bool = False, path: BodyPath | None = None
 ) -> tuple[Dynamics, Callable[[float], ForceAssembly]]:
-    """The stepper, and its forces at a softness. dressing: while seams are sewn and folds pressed there is neither weight nor friction, so that cloth slides to
-    where seams close. path: of a body that moves."""
+    """The stepper, and its forces at a softness. dressing: while seams are sewn and folds pressed there are no bands, no weight and no friction, so that cloth
+    slides to where seams close. path: of a body that moves."""
     weight = [] if dressing else [ForceGravity(cloth.masses)]
+    bands = [] if dressing or not job.pattern.bands else [ForceBand(band_segments(job.pattern, cloth))]
 
     def forces_at(softness: float) -> ForceAssembly:
-        return ForceAssembly(internal_forces(cloth, softened(materials, softness), fold_angles=fold_angles), cloth.particle_count, weight)
+        return ForceAssembly([*internal_forces(cloth, softened(materials, softness), fold_angles=fold_angles), *bands], cloth.particle_count, weight)
 
     touch = materials
     if dressing:

@@ -1,4 +1,4 @@
-"""Sewing: stitches close by dynamic constraints, without gravity and gently, and are then welded."""
+"""Sewing: stitches close by dynamic constraints, without gravity and gently, and are then welded; pins and buttons close with them, and stay."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.state import State
-from garmentcad.constraints.points import ConstraintPoints, stitch_rows
+from garmentcad.constraints.points import ConstraintPoints, PointRows, joined_rows, stitch_rows
 from garmentcad.simulation.course import (
     CLOSED_M,
     CLOSING_CAP_S,
@@ -26,6 +26,8 @@ from garmentcad.simulation.course import (
 from garmentcad.solve.dynamics import Dynamics
 
 WIDEST_WELD_MM = 1.0  # a seam that was wider open when it was welded did not close
+HELD_M = 1e-3  # gap of pins and buttons at which cloth is dressed; they go on to close afterwards
+HOLDING_RATE = 150.0  # 1/s, of pins and buttons once the seams are welded
 _GAP, _SPEED, _REDUNDANT = "gap_mm.", "gap_speed_m_s", "redundant."
 
 
@@ -63,28 +65,42 @@ class Welding:
         return cls(gaps, run.get(_SPEED), tuple(key.removeprefix(_REDUNDANT) for key in run if key.startswith(_REDUNDANT)))
 
 
-def close_seams(dynamics: Dynamics, state: State, look: Callable[[Progress], None]) -> Welding:
-    """Pull the stitches of `dynamics.cloth` (without gravity) together until every gap is below CLOSED_M or the cap is reached."""
+def close_seams(dynamics: Dynamics, state: State, hardware: PointRows, look: Callable[[Progress], None]) -> Welding:
+    """Pull the stitches of `dynamics.cloth` (without gravity), and what pins and buttons hold, together until every gap is closed or the cap is reached."""
     cloth = dynamics.cloth
     names = tuple(cloth.seam_names[k] for k in cloth.stitch_seam)
-    pull = CLOSING_PULL_N_M * cloth.spacing
-    dynamics.constraint = ConstraintPoints(stitch_rows(cloth.stitches, names), dynamics.inverse_masses, CLOSING_RATE, pull, CLOSING_LEAST_M_S)
-    if len(state.constraint_speeds) == 0:
-        state.constraint_speeds = np.zeros((len(cloth.stitches), 3))
+    pull, nodes, sewn = CLOSING_PULL_N_M * cloth.spacing, dynamics.contact.nodes, len(names)
+    rows = joined_rows(stitch_rows(cloth.stitches, names), hardware)
+    dynamics.constraint = ConstraintPoints(rows, dynamics.inverse_masses, CLOSING_RATE, pull, CLOSING_LEAST_M_S, nodes)
+    _make_room(state, rows)
     dynamics.equalise, dynamics.drag = True, CLOSING_DRAG
     dynamics.speed_cap_m_s = SPEED_CAP_M_S
     while True:
-        gaps = np.linalg.norm(dynamics.constraint.gaps(state.positions), axis=1)
+        gaps, speeds = dynamics.constraint_errors(state)
         look(Progress(state.phase, state.step, state.time_s, float(gaps.max(initial=0.0)) * 1e3, None, dynamics.measures(state)[2], None))
-        if gaps.max(initial=0.0) < CLOSED_M or state.time_s >= CLOSING_CAP_S:
+        closed = gaps[:sewn].max(initial=0.0) < CLOSED_M and gaps[sewn:].max(initial=0.0) < HELD_M
+        if closed or state.time_s >= CLOSING_CAP_S:
             break
         dynamics.constraint.least_speed = least_closing_speed(state.time_s)
         advance_or_retreat(dynamics, state)
     worst: dict[str, float] = {}
-    for name, gap in zip(names, gaps, strict=True):
+    for name, gap in zip(names, gaps):
         worst[name] = max(worst.get(name, 0.0), float(gap) * 1e3)
-    speeds = np.linalg.norm(dynamics.constraint.speeds(state.velocities), axis=1)
-    return Welding(worst, float(speeds.max(initial=0.0)), dynamics.constraint.redundant)
+    redundant = tuple(name for name in dynamics.constraint.redundant if name in worst)
+    return Welding(worst, float(speeds[:sewn].max(initial=0.0)), redundant)
+
+
+def hold(dynamics: Dynamics, state: State, hardware: PointRows) -> None:
+    """Pins and buttons on welded cloth."""
+    if len(hardware.targets) == 0:
+        return
+    dynamics.constraint = ConstraintPoints(hardware, dynamics.inverse_masses, HOLDING_RATE, nodes=dynamics.contact.nodes)
+    _make_room(state, hardware)
+
+
+def _make_room(state: State, rows: PointRows) -> None:
+    if len(state.constraint_speeds) != len(rows.targets):
+        state.constraint_speeds, state.constraint_forces = np.zeros_like(rows.targets), np.zeros_like(rows.targets)
 
 
 def least_closing_speed(time_s: float) -> float:
@@ -104,5 +120,7 @@ def weld_state(cloth: Cloth, welded: Cloth, particle_map: np.ndarray, state: Sta
     hinges[: len(old)] = old
     friction = state.friction | {"hinge": hinges}
     welded_state = State(positions, velocities, state.time_s, state.step, state.time_step_s, friction=friction, fold_angles=state.fold_angles)
+    held = slice(len(cloth.stitches), None)  # what is not sewn is held on
+    welded_state.constraint_speeds, welded_state.constraint_forces = state.constraint_speeds[held].copy(), state.constraint_forces[held].copy()
     welded_state.run, welded_state.work_j = dict(state.run), dict(state.work_j)
     return welded_state

@@ -160,14 +160,28 @@ class Dynamics:
 
     @contextmanager
     def true_masses(self, state: State) -> Iterator[None]:
-        """For as long as this lasts: true masses, and the time step that they allow."""
+        """For as long as this lasts: true masses, and the time step that they allow, or that of a motion that has them already."""
         self.estimate_time_step(state)
+        if not self.equalise:
+            yield
+            return
         own = state.time_step_s, self.inverse_masses
         self._choose_step(state, False, False)
         try:
             yield
         finally:
             self._set_step(state, *own)
+
+    @contextmanager
+    def loaded(self) -> Iterator[None]:
+        """For as long as this lasts, constraints go on with the forces of their last step."""
+        if self.constraint is not None:
+            self.constraint.loaded = True
+        try:
+            yield
+        finally:
+            if self.constraint is not None:
+                self.constraint.loaded = False
 
     def advance(self, state: State, steps: int) -> None:
         """Many steps. DivergedError where motion runs away, IntersectingError where contact cannot part what it holds."""
@@ -193,7 +207,10 @@ class Dynamics:
         controls = Controls(dt, self._drag, self.speed_cap_m_s, RUNAWAY_M_S, SURGE)
         lost = np.zeros(BINS)
         laws, sums = law_arguments(self.forces.forces, state.friction, lost), self.forces.sums(self._masses)
-        bonds = no_bonds() if self.constraint is None else self.constraint.bonds(state.constraint_speeds)
+        bonds = no_bonds()
+        if self.constraint is not None:
+            self.constraint.aim(state.positions)
+            bonds = self.constraint.bonds(state.constraint_speeds, state.constraint_forces)
         contact.load(state)
         motion = (contact.positions, contact.velocities, contact.inverse_masses)
         left, resumed, began = steps, False, state.time_s
@@ -243,10 +260,19 @@ class Dynamics:
             raise DivergedError(self.cloth, np.array([worst]), f"reached {math.sqrt(squares[worst]):.3g} m/s, the limit is {RUNAWAY_M_S:g} m/s,", state)
 
     def net_forces(self, state: State) -> np.ndarray:
-        """Forces of the laws and weight (P,3), N, at zero velocity; contact and constraints left out."""
+        """Forces of the laws and weight (P,3), N, at zero velocity, and of the constraints, as they were in the last step; contact left out."""
         total = np.zeros_like(state.velocities)
         self.forces.add_up(state.positions, np.zeros_like(state.velocities), total, deepcopy(state.friction))
-        return total
+        return total if self.constraint is None else total + self.constraint.pulls(state.constraint_forces)
+
+    def constraint_errors(self, state: State) -> tuple[np.ndarray, np.ndarray]:
+        """|C| m and |C'| m/s (R,) of each row of the constraints; nothing where there are none."""
+        if self.constraint is None:
+            return np.zeros(0), np.zeros(0)
+        self.contact.load(state)
+        self.constraint.aim(state.positions)
+        gaps, speeds = self.constraint.gaps(self.contact.positions), self.constraint.speeds(self.contact.velocities)
+        return np.linalg.norm(gaps, axis=1), np.linalg.norm(speeds, axis=1)
 
     def measures(self, state: State) -> tuple[float, float, float]:
         """Kinetic energy J, largest speed m/s, RMS speed m/s (mass-weighted)."""

@@ -50,7 +50,7 @@ def residual(dynamics: Dynamics, state: State, patch: np.ndarray) -> Residual:
     """Residual of `state`, which is left as it is, for true masses.
 
     What contact does without any force (it pushes apart what stands below its gap) is no unrest; where forces hold against that push, and nothing moves, there
-    is none either: of the two readings of a particle the smaller counts.
+    is none either: of the two readings of a particle the smaller counts. Constraints count as the forces that they exert.
     """
     with dynamics.true_masses(state):
         trial = deepcopy(state)
@@ -58,7 +58,8 @@ def residual(dynamics: Dynamics, state: State, patch: np.ndarray) -> Residual:
         pushed = deepcopy(trial)
         pushed.contact["pair_impulse"][:] = 0.0
         dt = state.time_step_s
-        dynamics.correct_velocities(trial)
+        with dynamics.loaded():
+            dynamics.correct_velocities(trial)
         dynamics.contact.respond(pushed, dt)
     masses = np.where(dynamics.fixed, 0.0, dynamics.cloth.masses)
     beyond_push = trial.velocities - pushed.velocities

@@ -15,7 +15,7 @@ import numpy as np
 from numba import prange
 
 from garmentcad.arrays import CHUNKS, chunk_range, kernel, parallel_kernel
-from garmentcad.constraints.points import correct_speeds, demand_speeds
+from garmentcad.constraints.points import apply_bonds
 from garmentcad.contact.contact import farthest, go_with_body, respond
 from garmentcad.contact.pairs import fastest_of
 from garmentcad.forces.internal import write_internal
@@ -121,8 +121,7 @@ def run_steps(order, controls, laws, sums, bonds, limit, contact, clock):  # typ
             if not fastest < controls.runaway:
                 return RUNAWAY
             if len(bonds.wanted) > 0:
-                demand_speeds(bonds, positions, dt)
-                correct_speeds(bonds, dt, velocities)
+                apply_bonds(bonds, positions, dt, velocities)
                 fastest = fastest_of(velocities)
             if len(limit.longest) > 0 and headroom < 2.0 * fastest * dt:
                 # No link gains more than twice the way of the fastest particle; until that reaches the headroom none can be too long.

@@ -1,0 +1,161 @@
+"""Pins and buttons of a pattern as rows of constraints on its cloth, and the refusal of those that contradict each other."""
+
+from __future__ import annotations
+
+from itertools import combinations
+from typing import NamedTuple
+
+import numpy as np
+import shapely
+import trimesh
+from scipy.spatial import cKDTree
+
+from garmentcad.cloth.cloth import WARP, WEFT, Cloth
+from garmentcad.cloth.locate import Anchors, anchors
+from garmentcad.constraints.conflict import Dependence, dependences
+from garmentcad.constraints.points import PointRows
+from garmentcad.contact.body import kept_gap
+from garmentcad.contact.elements import LEAST_GAP, largest_around
+from garmentcad.errors import SpecError, did_you_mean
+from garmentcad.fabric.material import MaterialTable
+from garmentcad.mannequin.mannequin import Mannequin
+from garmentcad.pattern.pattern import Panel, PanelPoint, Pattern, Pin
+from garmentcad.units import M_TO_MM, MM_TO_M
+
+SHANK_M = 1e-3  # thread of a button beyond the thickness of the cloth that lies under it; an estimate
+_AROUND = 3  # body vertices next to a point, as many as a face has
+_INSIDE_MM = 0.1
+
+
+class _PinRow(NamedTuple):
+    """Where a pin holds the cloth, the nodes of the body that it is tied to with their weights in the row, and its target."""
+
+    at: Anchors
+    nodes: np.ndarray
+    weights: np.ndarray
+    target: np.ndarray
+
+
+class _Foot(NamedTuple):
+    """A point of the body: three nodes and their weights, the normal of their face, what leads from there to where the pin wants to be, and vertices around."""
+
+    nodes: np.ndarray
+    weights: np.ndarray
+    normal: np.ndarray
+    above: np.ndarray
+    around: np.ndarray
+
+
+def hardware_rows(pattern: Pattern, cloth: Cloth, materials: MaterialTable, body: Mannequin) -> PointRows:
+    """A row for each pin and each button. The body's vertices are numbered after the particles. SpecError for landmarks that the body does not have, for
+    points outside their panel, and for constraints that cannot all be met, with their names."""
+    pins = _pin_rows(pattern, cloth, materials, body)
+    thickness = largest_around(cloth, materials.thickness)
+    entries = [(np.concatenate([at.particles, nodes]), np.concatenate([at.weights, weights]), target) for at, nodes, weights, target in pins]
+    shank, normal_of = [0.0] * len(pins), [np.zeros(3, dtype=np.int32)] * len(pins)
+    for button in pattern.buttons:
+        below, above = _anchor(cloth, button.button), _anchor(cloth, button.buttonhole)
+        both = np.concatenate([above.particles, below.particles])
+        entries.append((both, np.concatenate([above.weights, -below.weights]), np.zeros(3)))
+        shank.append(max(float(thickness[both].max()), LEAST_GAP) + SHANK_M)
+        normal_of.append(below.particles)
+    names = (*(pin.name for pin in pattern.pins), *(button.name for button in pattern.buttons))
+    size = len(entries)
+    rows = PointRows(
+        np.repeat(np.arange(size), [len(nodes) for nodes, _, _ in entries]),
+        np.concatenate([np.empty(0, np.int64), *(nodes for nodes, _, _ in entries)]),
+        np.concatenate([np.empty(0), *(weights for _, weights, _ in entries)]),
+        np.array([target for _, _, target in entries]).reshape(-1, 3),
+        names,
+        np.array(shank),
+        np.array(normal_of, dtype=np.int32).reshape(-1, 3),
+    )
+    held = {
+        pin.name: target - weights @ body.vertices[nodes - cloth.particle_count] for pin, (_, nodes, weights, target) in zip(pattern.pins, pins, strict=True)
+    }
+    for found in dependences(rows, cloth.particle_count, body.vertices):
+        if found.conflicting:
+            message = f"{_named(found)} contradict each other: they are {M_TO_MM * found.off_m:.1f} mm away from holding together"
+            raise SpecError(message, key=_key(pattern, found.names[-1]))
+    _refuse_out_of_reach(pattern, materials, held)
+    return rows
+
+
+def redundances(rows: PointRows, cloth: Cloth, body: Mannequin) -> list[Dependence]:
+    """Constraints that others imply already; they are solved all the same, by least squares."""
+    return dependences(rows, cloth.particle_count, body.vertices)
+
+
+def redundance_message(found: Dependence) -> str:
+    """What the report and the doctor say of one."""
+    return f"{_named(found)} hold the same points: one of them is redundant"
+
+
+def _named(found: Dependence) -> str:
+    names = [f"'{name}'" for name in found.names]
+    return f"constraints {', '.join(names[:-1])} and {names[-1]}"
+
+
+def _key(pattern: Pattern, name: str) -> str:
+    return f"pins.{name}" if any(pin.name == name for pin in pattern.pins) else f"closures.{name}"
+
+
+def _anchor(cloth: Cloth, point: PanelPoint) -> Anchors:
+    found = anchors(cloth, point.panel, np.array([point.uv_mm]))
+    return Anchors(found.particles[0], found.weights[0])
+
+
+def _pin_rows(pattern: Pattern, cloth: Cloth, materials: MaterialTable, body: Mannequin) -> list[_PinRow]:
+    held = [_anchor(cloth, pin.at) for pin in pattern.pins]
+    feet = [None if pin.landmark is None else _foot(pin, body) for pin in pattern.pins]
+    nearest = np.zeros((cloth.particle_count, _AROUND), dtype=np.int64)
+    for at, foot in zip(held, feet, strict=True):
+        if foot is not None:
+            nearest[at.particles] = foot.around
+    gap = kept_gap(cloth, materials, body.vertices, body.faces, nearest) if any(foot is not None for foot in feet) else np.zeros(cloth.particle_count)
+    rows = []
+    for pin, at, foot in zip(pattern.pins, held, feet, strict=True):
+        if foot is None:
+            rows.append(_PinRow(at, np.empty(0, np.int64), np.empty(0), MM_TO_M * np.array(pin.offset_mm)))
+            continue
+        clear = float(gap[at.particles].max())
+        target = foot.above if foot.above @ foot.normal > clear else clear * foot.normal
+        rows.append(_PinRow(at, cloth.particle_count + foot.nodes, -foot.weights, target))
+    return rows
+
+
+def _foot(pin: Pin, body: Mannequin) -> _Foot:
+    """The point of the body below a pin."""
+    if pin.landmark not in body.landmarks:
+        hint = did_you_mean(str(pin.landmark), body.landmarks)
+        raise SpecError(f"mannequin {body.name} has no landmark {pin.landmark!r}{hint}", key=f"pins.{pin.name}.landmark")
+    wanted = np.asarray(body.landmarks[pin.landmark]) + MM_TO_M * np.array(pin.offset_mm)
+    corners = body.vertices[body.faces]
+    closest = trimesh.triangles.closest_point(corners, np.tile(wanted, (len(corners), 1)))
+    face = int(np.argmin(((closest - wanted) ** 2).sum(axis=1)))
+    normal = np.cross(corners[face, 1] - corners[face, 0], corners[face, 2] - corners[face, 0])
+    weights = trimesh.triangles.points_to_barycentric(corners[face][None], closest[face][None])[0]
+    around = cKDTree(body.vertices).query(closest[face], k=_AROUND)[1]
+    return _Foot(body.faces[face].astype(np.int64), weights, normal / np.linalg.norm(normal), wanted - closest[face], around)
+
+
+def _refuse_out_of_reach(pattern: Pattern, materials: MaterialTable, targets: dict[str, np.ndarray]) -> None:
+    """Two pins of a panel are no farther apart than the yarns between them reach at their strain limit, first along one direction and then along the other."""
+    longest = 1.0 + materials.strain_limit.max(axis=0)
+    for a, b in combinations(pattern.pins, 2):
+        if a.at.panel != b.at.panel:
+            continue
+        panel = pattern.panels[a.at.panel]
+        warp = np.radians(panel.grain_deg)
+        du, dv = np.array(b.at.uv_mm) - np.array(a.at.uv_mm)
+        reach = abs(-np.sin(warp) * du + np.cos(warp) * dv) * longest[WARP] + abs(np.cos(warp) * du + np.sin(warp) * dv) * longest[WEFT]
+        apart = M_TO_MM * float(np.linalg.norm(targets[a.name] - targets[b.name]))
+        if apart > reach + 1.0 and _whole_between(panel, a, b):
+            message = f"pins '{a.name}' and '{b.name}' contradict each other: they are {apart:.0f} mm apart, and the cloth between them reaches {reach:.0f} mm"
+            raise SpecError(message, key=f"pins.{b.name}")
+
+
+def _whole_between(panel: Panel, a: Pin, b: Pin) -> bool:
+    """Whether the straight line between two pins lies on the panel."""
+    loops = [np.vstack([edge.curve.polyline(1.0)[:-1] for edge in loop]) for loop in (panel.edges, *panel.holes)]
+    return bool(shapely.Polygon(loops[0], loops[1:]).buffer(_INSIDE_MM).covers(shapely.LineString([a.at.uv_mm, b.at.uv_mm])))
