@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from garmentcad.errors import FileError
 from garmentcad.io.shipped import resolve_reference
 from garmentcad.io.spec_file import SPEC_ENDINGS, read_spec, spec_path
 from garmentcad.io.yaml_file import read_yaml
@@ -20,9 +21,13 @@ def read_worn(name_or_file: str | Path) -> GarmentSpec | tuple[OutfitSpec, tuple
         return read_spec(path)
     outfit = parse_model(OutfitSpec, data, str(path))
     outfit._file = str(path)
-    return outfit, tuple(read_spec(_worn_file(worn.garment, path.parent)) for worn in outfit.garments)
+    return outfit, tuple(_worn(worn.garment, path, f"garments.{k}.garment") for k, worn in enumerate(outfit.garments))
 
 
-def _worn_file(garment: str, folder: Path) -> Path:
-    named = garment.endswith(SPEC_ENDINGS)
-    return resolve_reference(garment, "patterns", folder) if named else spec_path(garment)
+def _worn(garment: str, outfit: Path, key: str) -> GarmentSpec:
+    """A garment of an outfit; faults of its own name its own file, one that is not there names the outfit's."""
+    try:
+        file = resolve_reference(garment, "patterns", outfit.parent) if garment.endswith(SPEC_ENDINGS) else spec_path(garment)
+    except FileError as fault:
+        raise FileError(fault.message, file=str(outfit), key=key) from None
+    return read_spec(file)

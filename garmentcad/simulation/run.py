@@ -218,6 +218,8 @@ class _Run:
         inner = replace(self.job, pattern=below(self.job.pattern), worn=self.job.worn[:-1], grid_mm=M_TO_MM * flat.spacing, poses=())
         outcome = run(inner, self.keep.watch)
         self.warnings += outcome.warnings
+        if outcome.status != "converged":
+            self.warnings.append(f"what is worn below ended as {outcome.status} before the outermost garment was put on")
         self._add_up(outcome.dynamics)
         hung = outcome.state.positions[outcome.cloth.vertex_particle]
         return {name: hung[outcome.cloth.vertex_panel == number] for number, name in enumerate(outcome.cloth.panel_names)}
