@@ -9,7 +9,7 @@ import pytest
 from garmentcad.errors import InputError
 from garmentcad.fabric.material import MaterialTable, without_friction
 from garmentcad.io.fabric_file import fabric_path, load_fabric
-from garmentcad.rigs.cusick import CLAMPED, Drape, drape_test
+from garmentcad.rigs.cusick import CLAMPED, Drape, Drapemeter
 from garmentcad.rigs.kes import sheet_materials
 
 numba.set_num_threads(1)
@@ -25,7 +25,7 @@ def bent(times: float) -> MaterialTable:
 
 @pytest.fixture(scope="module")
 def drapes() -> dict[float, Drape]:
-    return {times: drape_test(bent(times), GRID_MM, 0) for times in (0.1, 100.0)}
+    return {times: Drapemeter(bent(times), GRID_MM).lay(0) for times in (0.1, 100.0)}
 
 
 def test_a_plate_casts_the_shadow_of_its_disc_and_limp_cloth_hangs(drapes: dict[float, Drape]) -> None:
@@ -47,6 +47,20 @@ def test_what_the_discs_hold_does_not_move(drapes: dict[float, Drape]) -> None:
     assert np.linalg.norm(drape.state.positions[held][:, [0, 2]], axis=1) == pytest.approx(radius[held] / 1000.0, abs=1e-12)
 
 
+def test_a_drape_at_rest_stays_in_true_motion_and_when_it_is_taken_over() -> None:
+    """With internal friction, whose sliders go over: without them DC moves by a point."""
+    materials = sheet_materials(load_fabric(fabric_path("cotton-broad")).sheet)
+    here, there = Drapemeter(materials, GRID_MM), Drapemeter(materials, GRID_MM)
+    drape = here.lay(0)
+    later = here.waited(drape, 1.0)
+    assert later.state.time_s >= drape.state.time_s + 1.0
+    assert abs(later.dc_percent - drape.dc_percent) < 0.1  # points per second
+    moved = there.taken_over(here, drape)
+    assert moved.status == "converged"
+    assert moved.shadow.nodes == drape.shadow.nodes
+    assert moved.dc_percent == pytest.approx(drape.dc_percent, abs=0.1)
+
+
 def test_an_unknown_drapemeter_is_refused_with_those_that_there_are() -> None:
     with pytest.raises(InputError, match=r"18/24, 18/30, 18/36, 12\.7/25\.4"):
-        drape_test(ELASTIC, GRID_MM, 0, "20/30")
+        Drapemeter(ELASTIC, GRID_MM, "20/30")

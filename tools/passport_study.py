@@ -25,9 +25,9 @@ from garmentcad.simulation.study import Row, StudyCase, run_study, study_table
 from tools.study import FOLDER
 
 GRIDS_MM = (10.0, 5.0)
-SHIFTED = ("silk-habotai", "wool-suiting", "denim")
 SHIFTS = (0.25, 0.5)  # of a cell
 OFF_GRAIN_DEG = 30.0
+WITHIN, BIAS_WITHIN = 2.0, 5.0  # percent
 COMMAND = "python -m tools.passport_study"
 KEYS = ("LT", "WT", "RT", "EMT", "G", "2HG", "2HG5", "B", "2HB")
 PRINTS = {"case": "case", "uncalibrated": "uncalibrated"} | {f"{key} {way}": f"error_percent.{key}.{way}:+.1f" for key in KEYS for way in ("warp", "weft")}
@@ -44,9 +44,8 @@ def study_cases() -> list[StudyCase]:
         return StudyCase(f"{name} {words}", sheet_sha256(sheet), name, "", __version__, {"law_sha256": law, **parameters})
 
     found = [case(name, sheet, f"{grid:g} mm", grid_mm=grid, shift=0.0) for grid in GRIDS_MM for name, sheet in named]
-    shifted = [(name, sheet) for name, sheet in named if name in SHIFTED]
-    found += [case(name, sheet, f"10 mm shifted {shift:g}", grid_mm=10.0, shift=shift) for shift in SHIFTS for name, sheet in shifted]
-    found += [case(name, sheet, f"{grid:g} mm off grain", grid_mm=grid, off_grain_deg=OFF_GRAIN_DEG) for grid in GRIDS_MM for name, sheet in shifted]
+    found += [case(name, sheet, f"10 mm shifted {shift:g}", grid_mm=10.0, shift=shift) for shift in SHIFTS for name, sheet in named]
+    found += [case(name, sheet, f"{grid:g} mm off grain", grid_mm=grid, off_grain_deg=OFF_GRAIN_DEG) for grid in GRIDS_MM for name, sheet in named]
     return found
 
 
@@ -79,8 +78,11 @@ def run_case(case: StudyCase) -> Mapping[str, Any]:
 def page(rows: tuple[Row, ...]) -> str:
     """The page of the study."""
     trips, clamped = [row for row in rows if "error_percent" in row], [row for row in rows if "tension_percent" in row]
+    missed = sorted({row["fabric"] for row in trips if row["largest_percent"] > WITHIN or abs(row["error_percent"]["B"]["bias"]) > BIAS_WITHIN})
     return "\n".join([
-        "# Fabric passports", "", f"What the virtual testers print, in percent above the sheet (warp and weft within 2, bias within 5); {len(trips)} runs.", "",
+        "# Fabric passports", "", f"What the virtual testers print, in percent above the sheet, of law values solved at 2.5 mm; {len(trips)} runs of "
+        f"{len({row['fabric'] for row in trips})} fabrics.", "",
+        f"Warp and weft are to be within {WITHIN:g}, the bias within {BIAS_WITHIN:g}. In some run above it: {', '.join(missed) or 'none'}.", "",
         study_table(trips, PRINTS, COMMAND),
         f"## Cut {OFF_GRAIN_DEG:g} degrees off the grain", "",
         "Clamped specimens, 5 cm between the clamps: what 40 cm bear more than 20 cm, in percent above an orthotropic sheet.", "",

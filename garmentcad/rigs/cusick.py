@@ -7,7 +7,7 @@ held row, half a spacing before it. It is laid flat with a small random waviness
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from copy import deepcopy
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -25,7 +25,8 @@ from garmentcad.forces.internal import internal_forces
 from garmentcad.geometry.curve import Arc
 from garmentcad.pattern.pattern import Edge, Panel, Transform
 from garmentcad.rigs.shadow import Shadow, cast_shadow, drape_coefficient
-from garmentcad.simulation.course import Course, Progress
+from garmentcad.simulation.course import STEPS_PER_LOOK, Course
+from garmentcad.simulation.refine import refined, refined_sliders
 from garmentcad.solve.dynamics import Dynamics
 from garmentcad.solve.strain_limit import strain_limit
 from garmentcad.units import M_TO_MM, MM_TO_M
@@ -60,35 +61,66 @@ class Drape:
     lowest_mm: float
 
 
-def drape_test(
-    materials: MaterialTable,
-    grid_mm: float,
-    seed: int,
-    geometry: str = USUAL,
-    origin_mm: tuple[float, float] | None = None,
-    look: Callable[[Progress], None] = lambda progress: None,
-) -> Drape:
-    """Drape the fabric in row 0 of `materials`. seed: of the lay; the same seed gives the same waviness on any lattice. InputError for an unknown geometry."""
-    if geometry not in GEOMETRIES:
-        raise InputError(f"no drapemeter {geometry!r}; allowed are {', '.join(GEOMETRIES)} cm")
-    disc_mm, specimen_mm = GEOMETRIES[geometry]
-    cloth = panel_cloth(_disc(0.5 * specimen_mm), materials, grid_mm=grid_mm, origin_mm=origin_mm)
-    place = MM_TO_M * cloth.vertex_uv_mm
-    radius = np.linalg.norm(place, axis=1)
-    held = 0.5 * disc_mm * MM_TO_M + CLAMPED * cloth.spacing
-    # right side up: warp along -z, weft along x
-    positions = np.column_stack([place[:, 0], _waviness(place, held, seed), -place[:, 1]])
+class Drapemeter:
+    """The fabric in row 0 of `materials`, clamped on one lattice. origin_mm: a point of the specimen through which a lattice line of either direction passes,
+    its centre by default. InputError for an unknown geometry."""
 
-    def forces_at(softness: float) -> ForceAssembly:
-        return ForceAssembly(internal_forces(cloth, softened(materials, softness)), cloth.particle_count, [ForceGravity(cloth.masses)])
+    def __init__(self, materials: MaterialTable, grid_mm: float, geometry: str = USUAL, origin_mm: tuple[float, float] | None = None) -> None:
+        if geometry not in GEOMETRIES:
+            raise InputError(f"no drapemeter {geometry!r}; allowed are {', '.join(GEOMETRIES)} cm")
+        self.geometry = GEOMETRIES[geometry]
+        self._materials = materials
+        self.cloth = panel_cloth(_disc(0.5 * self.geometry.specimen_mm), materials, grid_mm=grid_mm, origin_mm=origin_mm)
+        self._place = MM_TO_M * self.cloth.vertex_uv_mm
+        self._clamp = 0.5 * self.geometry.disc_mm * MM_TO_M + CLAMPED * self.cloth.spacing
+        self._fixed = np.linalg.norm(self._place, axis=1) <= self._clamp
 
-    dynamics = Dynamics(cloth, forces_at(1.0), strain_limit(cloth, materials), Contact(cloth, materials), fixed=radius <= held)
-    state = State(positions, np.zeros_like(positions), phase="fall", run={"phase_from_s": 0.0})
-    dynamics.start(state)
-    status = Course(dynamics, forces_at, "drape", MAX_TIME_S).run(state, look)
-    shadow = cast_shadow(state.positions, cloth.particle_triangles)
-    coefficient = drape_coefficient(shadow.area_m2, disc_mm, specimen_mm)
-    return Drape(status, cloth, state, shadow, coefficient, -M_TO_MM * float(state.positions[:, 1].min()))
+    def lay(self, seed: int, step_factor: float = 1.0) -> Drape:
+        """Lay it down and let it fall. seed: of the lay; the same seed gives the same waviness on any lattice. step_factor: multiplies the time step."""
+        positions = self._spread(_waviness(self._place, self._clamp, seed))
+        state = State(positions, np.zeros_like(positions), phase="fall", run={"phase_from_s": 0.0, "step_factor": step_factor})
+        return self._to_rest(state, MAX_TIME_S)
+
+    def taken_over(self, other: Drapemeter, drape: Drape) -> Drape:
+        """A drape at rest on another lattice settles on this one."""
+        before = drape.state
+        positions = refined(other.cloth, before.positions, self.cloth)
+        positions[self._fixed] = self._spread(np.zeros(len(positions)))[self._fixed]
+        friction = refined_sliders(other.cloth, other._forces(1.0), before, self.cloth, self._forces(1.0), positions)
+        state = State(positions, np.zeros_like(positions), before.time_s, before.step, phase="settle", friction=friction, run={"phase_from_s": before.time_s})
+        return self._to_rest(state, before.time_s + MAX_TIME_S)
+
+    def waited(self, drape: Drape, seconds: float) -> Drape:
+        """What has become of a drape after some more seconds of true motion."""
+        state = deepcopy(drape.state)
+        state.phase, state.run, end = "watch", {}, state.time_s + seconds
+        dynamics = self._dynamics(state)
+        Course(dynamics, self._forces, "dynamics", end).set_phase(state)
+        while state.time_s < end:
+            dynamics.advance(state, STEPS_PER_LOOK)
+        return self._read(drape.status, state)
+
+    def _forces(self, softness: float) -> ForceAssembly:
+        laws = internal_forces(self.cloth, softened(self._materials, softness))
+        return ForceAssembly(laws, self.cloth.particle_count, [ForceGravity(self.cloth.masses)])
+
+    def _dynamics(self, state: State) -> Dynamics:
+        contact = Contact(self.cloth, self._materials)
+        dynamics = Dynamics(self.cloth, self._forces(1.0), strain_limit(self.cloth, self._materials), contact, fixed=self._fixed)
+        dynamics.start(state)
+        return dynamics
+
+    def _to_rest(self, state: State, until_s: float) -> Drape:
+        status = Course(self._dynamics(state), self._forces, "drape", until_s).run(state, lambda progress: None)
+        return self._read(status, state)
+
+    def _read(self, status: str, state: State) -> Drape:
+        shadow = cast_shadow(state.positions, self.cloth.particle_triangles)
+        return Drape(status, self.cloth, state, shadow, drape_coefficient(shadow.area_m2, *self.geometry), -M_TO_MM * float(state.positions[:, 1].min()))
+
+    def _spread(self, heights: np.ndarray) -> np.ndarray:
+        """Positions (P,3) m of the flat specimen at these heights: right side up, warp along -z, weft along x."""
+        return np.column_stack([self._place[:, 0], heights, -self._place[:, 1]])
 
 
 def _disc(radius_mm: float) -> Panel:

@@ -13,7 +13,7 @@ from garmentcad import __version__
 from garmentcad.fabric.missing import measured_fraction
 from garmentcad.fabric.sheet import KesSheet, is_calibrated, sheet_sha256
 from garmentcad.rigs.calibrate import GRID_MM, corrections_percent
-from garmentcad.rigs.cusick import GEOMETRIES, LAYS, USUAL, Drape, drape_test
+from garmentcad.rigs.cusick import GEOMETRIES, LAYS, USUAL, Drape, Drapemeter
 from garmentcad.rigs.kes import TESTERS, KesTester, Record, run_tester, sheet_materials
 
 SCHEMA = 1
@@ -42,10 +42,10 @@ def make_passport(sheet: KesSheet, grid_mm: float, lays: int = LAYS, geometry: s
     for tester in TESTERS:
         say(tester.name)
         records[tester] = run_tester(tester, sheet, materials, grid_mm)
-    drapes = []
+    drapes, drapemeter = [], Drapemeter(materials, grid_mm, geometry)
     for seed in range(lays):
         say(f"drapemeter, lay {seed + 1} of {lays}")
-        drapes.append(drape_test(materials, grid_mm, seed, geometry))
+        drapes.append(drapemeter.lay(seed))
     figures = {
         "schema": SCHEMA,
         "fabric": sheet.name,
