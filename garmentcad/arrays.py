@@ -1,21 +1,14 @@
-"""The one door between Python and compiled kernels: types, the kernel decorators, and the cache that notices changed callees.
+"""The one door between Python and compiled kernels: types and the kernel decorators.
 
 Types are cast once, here (`floats`, `indices`); kernels take C-contiguous float64 and int32 arrays and write into their last arguments.
-Numba's disk cache looks only at the file that holds a function; `_ClosureLocator` stamps a function with its file and every garmentcad
-file that this file imports, so that an edited callee recompiles its callers and nothing else.
 """
 
 from __future__ import annotations
 
-import hashlib
 import os
-import re
-import shutil
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from functools import cache
-from pathlib import Path
 from typing import Any
 
 # Between the parallel regions of a step a waiting thread spins. One that sleeps costs about 100 us a region to wake, and may wake on the other thread's core
@@ -25,127 +18,50 @@ os.environ.setdefault("GOMP_SPINCOUNT", "3000000")
 import llvmlite.binding as llvm
 import numpy as np
 from numba import get_num_threads, njit
-from numba.core import caching
+
+from garmentcad.kernel_cache import KernelCache, keep_apart
 
 # Loops over many arrays use wide instructions only where the compiler may check at run time that the arrays do not overlap; by default it gives up after a few.
 for _option in ("-runtime-memory-check-threshold=4000", "-vectorize-memory-check-threshold=4000", "-memory-check-merge-threshold=4000"):
     llvm.set_option("garmentcad", _option)
 
-_PACKAGE = Path(__file__).resolve().parent
-_IMPORT = re.compile(r"^\s*from\s+(garmentcad[\w.]*)\s+import\s+\(?([^()\n#]*(?:\([^)]*\))?)|^\s*import\s+(garmentcad[\w.]*)", re.MULTILINE)
-
-
-def _module_file(module: str) -> Path | None:
-    path = _PACKAGE.parent.joinpath(*module.split("."))
-    for candidate in (path.with_suffix(".py"), path / "__init__.py"):
-        if candidate.is_file():
-            return candidate
-    return None
-
-
-@cache
-def _imports(file: Path) -> tuple[Path, ...]:
-    found = []
-    for base, names, plain in _IMPORT.findall(file.read_text(encoding="utf-8")):
-        modules = [plain] if plain else [base, *(f"{base}.{name.split()[0]}" for name in names.split(",") if name.strip())]
-        found += [path for path in map(_module_file, modules) if path is not None]
-    return tuple(found)
-
-
-@cache
-def _closure_stamp(file: Path) -> str:
-    seen: set[Path] = set()
-    todo = [file, Path(__file__).resolve()]
-    while todo:
-        path = todo.pop()
-        if path not in seen:
-            seen.add(path)
-            todo += _imports(path)
-    digest = hashlib.sha256()
-    for path in sorted(seen):
-        digest.update(str(path.relative_to(_PACKAGE)).encode() + path.read_bytes())
-    return digest.hexdigest()
-
-
-def cache_folder() -> Path:
-    """Folder of the compiled kernels: $NUMBA_CACHE_DIR, or garmentcad/ in the user's cache folder."""
-    chosen = os.environ.get("NUMBA_CACHE_DIR")
-    base = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
-    return Path(chosen) if chosen else Path(base) / "garmentcad" / "kernels"
-
-
-@cache
-def _kernel_folder(file: Path) -> Path | None:
-    """Folder of the compiled kernels of a file as it stands, made; None where it cannot be written (a read-only home). Asked once a file: many have a dozen."""
-    name = str(file.relative_to(_PACKAGE).with_suffix("")).replace(os.sep, ".")
-    # One folder a stamp: numba would unpickle an old index before it looks at the stamp, and fail where a type in it is gone.
-    home = cache_folder() / hashlib.sha256(str(_PACKAGE).encode()).hexdigest()[:12] / name
-    folder = home / _closure_stamp(file)[:16]
-    for stale in home.glob("*") if not folder.exists() else ():
-        if stale != folder:
-            shutil.rmtree(stale, ignore_errors=True)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError:
-        return None
-    return folder if os.access(folder, os.W_OK) else None
-
-
-class _ClosureLocator(caching._CacheLocator):
-    """Numba cache locator for the files of this package; its stamp covers all garmentcad files that a kernel file can call."""
-
-    def __init__(self, py_func: Any, py_file: str) -> None:
-        self._file = _resolved(py_file)
-        self._folder = _kernel_folder(self._file)
-        self._line = py_func.__code__.co_firstlineno
-
-    def get_cache_path(self) -> str:
-        return str(self._folder)
-
-    def get_source_stamp(self) -> str:
-        return _closure_stamp(self._file)
-
-    def get_disambiguator(self) -> str:
-        return str(self._line)
-
-    @classmethod
-    def from_function(cls, py_func: Any, py_file: str) -> _ClosureLocator | None:
-        file = _resolved(py_file)
-        if not file.is_relative_to(_PACKAGE) or _kernel_folder(file) is None:
-            return None  # numba's own locators decide
-        return cls(py_func, py_file)
-
-
-@cache
-def _resolved(path: str) -> Path:
-    return Path(path).resolve()
-
-
-caching.CacheImpl._locator_classes.insert(0, _ClosureLocator)
-
 # Strict floating point. Contraction to fused operations would be 9 % faster, but which products it fuses changes with what a kernel is compiled into, and a
 # process that has just compiled calls other copies of a kernel than one that loads it: the same run would end in other bits.
-_OPTIONS: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy"}
+_OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
+
+
+def _compiled(function: Any, apart: bool = False, **options: Any) -> Any:
+    dispatcher = njit(**_OPTIONS, **options)(function)
+    if hasattr(dispatcher, "py_func"):  # NUMBA_DISABLE_JIT leaves the function as it is
+        dispatcher._cache = KernelCache(function)
+        if apart:
+            keep_apart(dispatcher)
+    return dispatcher
 
 
 def kernel(function: Any) -> Any:
     """Compile a kernel that runs on one thread (also the way to write scalar laws that other kernels call)."""
-    return njit(**_OPTIONS)(function)
+    return _compiled(function)
+
+
+def long_kernel(function: Any) -> Any:
+    """Compile a kernel that runs on one thread and stays apart from those that call it."""
+    return _compiled(function, apart=True)
 
 
 def inlined_kernel(function: Any) -> Any:
     """Compile a kernel that becomes part of every kernel that calls it, however long it is: wide loops may call no others."""
-    return njit(forceinline=True, **_OPTIONS)(function)
+    return _compiled(function, forceinline=True)
 
 
 def inlined(function: Any) -> Any:
     """A kernel that becomes part of those that call it: one compilation less. For what only deals out calls."""
-    return njit(inline="always", **_OPTIONS)(function)
+    return _compiled(function, inline="always")
 
 
 def parallel_kernel(function: Any) -> Any:
-    """Compile a kernel with `prange`. Gather only: each iteration writes its own outputs; no reductions."""
-    return njit(parallel=True, **_OPTIONS)(function)
+    """Compile a kernel with `prange`, apart from those that call it. Gather only: each iteration writes its own outputs; no reductions."""
+    return _compiled(function, apart=True, parallel=True)
 
 
 # Work is dealt out in this many parts whatever the number of threads. A part is a call of its own: inside a compiled prange body, arrays of a named

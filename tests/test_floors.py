@@ -10,7 +10,7 @@ import pytest
 ROOT = Path(__file__).resolve().parent.parent / "garmentcad"
 FLOORS = {
     "errors": 0,
-    "units": 1, "arrays": 1,
+    "units": 1, "arrays": 1, "kernel_cache": 0,
     "geometry": 2,
     "pattern": 3, "fabric": 3, "mannequin": 3,
     "io": 4, "modeller": 4, "cloth": 4,

@@ -26,7 +26,7 @@ import numpy as np
 from scipy.sparse import coo_matrix, csr_matrix, diags
 from scipy.sparse.csgraph import connected_components
 
-from garmentcad.arrays import floats, indices, kernel
+from garmentcad.arrays import floats, indices, kernel, long_kernel
 from garmentcad.errors import InputError
 
 
@@ -162,7 +162,7 @@ def push(bonds, time_step, velocities):  # type: ignore[no-untyped-def]
                 velocities[p, axis] += time_step * change[axis]
 
 
-@kernel
+@long_kernel
 def apply_bonds(bonds, positions, time_step, velocities):  # type: ignore[no-untyped-def]
     """The constraints of a step, after its forces."""
     if bonds.numbers[3] > 0.0:

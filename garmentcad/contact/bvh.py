@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
-from garmentcad.arrays import CHUNKS, chunk_range, floats, indices, kernel, parallel_kernel
+from garmentcad.arrays import CHUNKS, chunk_range, floats, indices, kernel, long_kernel, parallel_kernel
 from garmentcad.geometry.closest import point_triangle, row, segment_segment
 
 _LEAF = 4  # elements in a leaf, at most
@@ -135,7 +135,7 @@ def _share(one, other):  # type: ignore[no-untyped-def]
     return False
 
 
-@kernel
+@long_kernel
 def _near_of(places, search, sides, tree, positions, rows, found):  # type: ignore[no-untyped-def]
     (kind, reach), (queries, items), (own, theirs) = search, sides, positions
     leaves, count = len(tree.boxes) // 2, len(tree.order)

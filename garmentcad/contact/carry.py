@@ -10,7 +10,7 @@ import math
 
 from numba import prange
 
-from garmentcad.arrays import CHUNKS, chunk_range, kernel, parallel_kernel
+from garmentcad.arrays import CHUNKS, chunk_range, kernel, long_kernel, parallel_kernel
 from garmentcad.geometry.closest import along, cross, dot, minus, mixed, row, unit
 
 _SAMPLED = 500  # vertices from which the rigid part of a body's motion is taken, about
@@ -18,7 +18,7 @@ _SAMPLED = 500  # vertices from which the rigid part of a body's motion is taken
 # `pace` (4,): ways since the start, m, then speeds in the step, m/s; of the fastest vertex, and of the fastest relative to the body's rigid motion.
 
 
-@kernel
+@long_kernel
 def set_pace(leg, since, time_step, first, positions, velocities, pace):  # type: ignore[no-untyped-def]
     """Velocities of the body's vertices, the rows from `first`, in the step that begins `since` s into the leg; and the speeds in `pace`.
 
@@ -116,7 +116,7 @@ def anchor(p, place, planes, faces, motion, found):  # type: ignore[no-untyped-d
     ride(p, place, planes, faces, motion)
 
 
-@kernel
+@long_kernel
 def _carry_of(particles, planes, faces, motion):  # type: ignore[no-untyped-def]
     for p in range(particles[0], particles[1]):
         for place in range(planes.held[p]):

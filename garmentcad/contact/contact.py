@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from garmentcad.arrays import CHUNKS, floats, indices, kernel
+from garmentcad.arrays import CHUNKS, floats, indices, kernel, long_kernel
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.state import State
 from garmentcad.contact.body import ELEMENT_GAP, LARGEST_GAP, BodyElements
@@ -56,7 +56,7 @@ def farthest(positions, home):  # type: ignore[no-untyped-def]
     return way
 
 
-@kernel
+@long_kernel
 def go_with_body(contact, leg, since, motion):  # type: ignore[no-untyped-def]
     """Set the body's velocities for the step that begins `since` s into the leg, and bring the planes to where the body is. Arguments as of `respond`."""
     surface, _, _, _, planes, _, _, pace, _ = contact
@@ -65,7 +65,7 @@ def go_with_body(contact, leg, since, motion):  # type: ignore[no-untyped-def]
     carry(planes, surface.faces, positions, velocities, time_step)
 
 
-@kernel
+@long_kernel
 def respond(contact, motion, way, covered, fastest):  # type: ignore[no-untyped-def]
     """Correct velocities in place, so that positions + time_step * velocities keep their distances.
 

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
-from garmentcad.arrays import CHUNKS, chunk_range, indices, kernel, parallel_kernel
+from garmentcad.arrays import CHUNKS, chunk_range, indices, kernel, long_kernel, parallel_kernel
 from garmentcad.contact.planes import allowed, demanded, held
 from garmentcad.geometry.closest import FACE, along, cross, dot, minus, point_triangle, row, segment_segment, unit
 
@@ -183,7 +183,7 @@ def _give(nodes, weights, inverse_masses):  # type: ignore[no-untyped-def]
     return give
 
 
-@kernel
+@long_kernel
 def _solve(count, pairs, stand, planes, grip, motion):  # type: ignore[no-untyped-def]
     """Sweeps of inelastic impulses with Coulomb friction over the active ones of the first `count` pairs, in their order.
 
@@ -313,7 +313,7 @@ def _part(n, turn, t, pairs, planes, motion):  # type: ignore[no-untyped-def]
                 velocities[nodes[corner], axis] = led[axis] / still if still > 0 else sum_[axis] / mass
 
 
-@kernel
+@long_kernel
 def stop_collisions(count, pairs, stand, planes, fastest, motion):  # type: ignore[no-untyped-def]
     """Fail-safe over the first `count` pairs: what would lose most of its distance in the step is stopped, in at most 20 rounds.
 

@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
-from garmentcad.arrays import CHUNKS, chunk_range, kernel, parallel_kernel
+from garmentcad.arrays import CHUNKS, chunk_range, kernel, long_kernel, parallel_kernel
 from garmentcad.contact.bvh import box_distance2, node_after
 from garmentcad.contact.carry import anchor, row_at
 from garmentcad.geometry.closest import FACE, along, cross, distance_between, dot, minus, mixed, point_triangle, row, unit
@@ -170,7 +170,7 @@ def _tie(p, place, planes, surface, motion, face, height):  # type: ignore[no-un
         anchor(p, place, planes, surface.faces, motion, (face, (u, v, w), height))
 
 
-@kernel
+@long_kernel
 def _look(p, surface, tree, grip, x, reaches, planes, rows, motion, pace):  # type: ignore[no-untyped-def]
     """Set the planes of particle p at x. reaches: largest gap of any particle, the way that the look should cover, and how far the body has come nearer."""
     largest, margin, nearer = reaches
@@ -294,7 +294,7 @@ def allowed(planes, p, x, v, time_step):  # type: ignore[no-untyped-def]
     return v
 
 
-@kernel
+@long_kernel
 def _respond_of(particles, body, planes, grip, motion, pace, out):  # type: ignore[no-untyped-def]
     surface, tree, largest = body
     positions, velocities, inverse_masses, time_step = motion

@@ -19,7 +19,7 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-from garmentcad.arrays import floats, indices, kernel, rows_by_key
+from garmentcad.arrays import floats, indices, kernel, long_kernel, rows_by_key
 from garmentcad.cloth.cloth import WARP, WEFT, BorderTriangles, Cloth
 from garmentcad.fabric.internal_friction import dragged
 from garmentcad.fabric.law_shear import stick_stiffness
@@ -165,7 +165,7 @@ def _force_row(span, damping_time, parts, sliders, edges, directions, stresses):
         warp[i] = gone
 
 
-@kernel
+@long_kernel
 def border_part(part, parts, damping_time, sliders, positions, velocities, out):  # type: ignore[no-untyped-def]
     """sliders (T + 2 P,): of shear, then of warp and weft patch by patch. Returns the energy lost [J]."""
     begin, end = np.int64(parts.first[part]), np.int64(parts.first[part + 1])

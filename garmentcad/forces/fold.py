@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from garmentcad.arrays import floats, indices, kernel
+from garmentcad.arrays import floats, indices, kernel, long_kernel
 from garmentcad.cloth.cloth import WEFT, Cloth
 from garmentcad.cloth.folds import crossing_lines, line_corners, line_weights
 from garmentcad.fabric.material import MaterialTable
@@ -127,7 +127,7 @@ def _hold_cell(i, folds, x, out):  # type: ignore[no-untyped-def]
     out[k + 3, 0], out[k + 3, 1], out[k + 3, 2] = qx - nx, qy - ny, qz - nz
 
 
-@kernel
+@long_kernel
 def fold_part(part, folds, positions, out):  # type: ignore[no-untyped-def]
     first = part * PART
     for i in range(first, min(len(folds.moment), first + PART)):

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import prange
 
-from garmentcad.arrays import indices, inlined, kernel, parallel_kernel
+from garmentcad.arrays import indices, inlined, long_kernel, parallel_kernel
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces import bend as bend_lines
@@ -47,7 +47,7 @@ def _one_part(kind, part, first, blocks, coefficients, setting, rooms, border, b
     return 0.0
 
 
-@kernel
+@long_kernel
 def _one_bin(number, deal, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, fold, held, positions, velocities, out, lost):  # type: ignore[no-untyped-def]
     for k in range(deal.start[number], deal.start[number + 1]):
         kind, part = np.int64(deal.kind[k]), np.int64(deal.part[k])

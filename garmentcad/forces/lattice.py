@@ -8,7 +8,7 @@ from typing import Any
 import numba
 import numpy as np
 
-from garmentcad.arrays import indices, kernel
+from garmentcad.arrays import indices, kernel, long_kernel
 from garmentcad.cloth.cloth import WEFT, Cloth
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.bend import ForceBend, across_lines, bend_row
@@ -96,7 +96,7 @@ def _total(first, count, lost):  # type: ignore[no-untyped-def]
     return ((a + b) + (c + d)) + ((e + f) + (g + h))
 
 
-@kernel
+@long_kernel
 def lattice_block(k, blocks, fabric, setting, positions, velocities, rooms, out):  # type: ignore[no-untyped-def]
     """One block; fabric: coefficients (18,S), sliders (6,S). It reads sliders of the rows around it, which another thread may be moving: a slider that was
     moved for these positions is not moved again, so that it does not matter. Returns the energy lost [J]."""

@@ -1,0 +1,173 @@
+"""Compiled kernels on disk and among each other: a cache that notices changed callees, and callees that stay apart from their callers.
+
+Numba's disk cache looks only at the file that holds a function; `_ClosureLocator` stamps a function with its file and every garmentcad
+file that this file imports, so that an edited callee recompiles its callers and nothing else.
+
+Numba takes the code of a callee into every caller and optimises it there once more, level by level, so that a kernel five calls down is compiled six times.
+`keep_apart` makes callers call it by its symbol instead.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+import shutil
+from dataclasses import dataclass
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from numba.core import caching
+from numba.core.codegen import CPUCodeLibrary
+
+_PACKAGE = Path(__file__).resolve().parent
+_IMPORT = re.compile(r"^\s*from\s+(garmentcad[\w.]*)\s+import\s+\(?([^()\n#]*(?:\([^)]*\))?)|^\s*import\s+(garmentcad[\w.]*)", re.MULTILINE)
+
+
+def _module_file(module: str) -> Path | None:
+    path = _PACKAGE.parent.joinpath(*module.split("."))
+    for candidate in (path.with_suffix(".py"), path / "__init__.py"):
+        if candidate.is_file():
+            return candidate
+    return None
+
+
+@cache
+def _imports(file: Path) -> tuple[Path, ...]:
+    found = []
+    for base, names, plain in _IMPORT.findall(file.read_text(encoding="utf-8")):
+        modules = [plain] if plain else [base, *(f"{base}.{name.split()[0]}" for name in names.split(",") if name.strip())]
+        found += [path for path in map(_module_file, modules) if path is not None]
+    return tuple(found)
+
+
+@cache
+def _closure_stamp(file: Path) -> str:
+    seen: set[Path] = set()
+    todo = [file, Path(__file__).resolve()]
+    while todo:
+        path = todo.pop()
+        if path not in seen:
+            seen.add(path)
+            todo += _imports(path)
+    digest = hashlib.sha256()
+    for path in sorted(seen):
+        digest.update(str(path.relative_to(_PACKAGE)).encode() + path.read_bytes())
+    return digest.hexdigest()
+
+
+def cache_folder() -> Path:
+    """Folder of the compiled kernels: $NUMBA_CACHE_DIR, or garmentcad/ in the user's cache folder."""
+    chosen = os.environ.get("NUMBA_CACHE_DIR")
+    base = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
+    return Path(chosen) if chosen else Path(base) / "garmentcad" / "kernels"
+
+
+@cache
+def _kernel_folder(file: Path) -> Path | None:
+    """Folder of the compiled kernels of a file as it stands, made; None where it cannot be written (a read-only home). Asked once a file: many have a dozen."""
+    name = str(file.relative_to(_PACKAGE).with_suffix("")).replace(os.sep, ".")
+    # One folder a stamp: numba would unpickle an old index before it looks at the stamp, and fail where a type in it is gone.
+    home = cache_folder() / hashlib.sha256(str(_PACKAGE).encode()).hexdigest()[:12] / name
+    folder = home / _closure_stamp(file)[:16]
+    for stale in home.glob("*") if not folder.exists() else ():
+        if stale != folder:
+            shutil.rmtree(stale, ignore_errors=True)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return None
+    return folder if os.access(folder, os.W_OK) else None
+
+
+class _ClosureLocator(caching._CacheLocator):
+    """Numba cache locator for the files of this package; its stamp covers all garmentcad files that a kernel file can call."""
+
+    def __init__(self, py_func: Any, py_file: str) -> None:
+        self._file = _resolved(py_file)
+        self._folder = _kernel_folder(self._file)
+        self._line = py_func.__code__.co_firstlineno
+
+    def get_cache_path(self) -> str:
+        return str(self._folder)
+
+    def get_source_stamp(self) -> str:
+        return _closure_stamp(self._file)
+
+    def get_disambiguator(self) -> str:
+        return str(self._line)
+
+    @classmethod
+    def from_function(cls, py_func: Any, py_file: str) -> _ClosureLocator | None:
+        file = _resolved(py_file)
+        if not file.is_relative_to(_PACKAGE) or _kernel_folder(file) is None:
+            return None  # numba's own locators decide
+        return cls(py_func, py_file)
+
+
+@cache
+def _resolved(path: str) -> Path:
+    return Path(path).resolve()
+
+
+caching.CacheImpl._locator_classes.insert(0, _ClosureLocator)
+
+
+class _StaleCallee(Exception):
+    """A kernel on disk calls one that is compiled under another name by now."""
+
+
+@dataclass(frozen=True)
+class _Callee:
+    """A compiled kernel that others call by its symbol. Called, it makes sure that the symbol is there: numba does so before it loads a caller from disk."""
+
+    module: str
+    name: str
+    arguments: tuple[Any, ...]
+    symbol: str
+
+    def __call__(self) -> None:
+        dispatcher = getattr(import_module(self.module), self.name)
+        dispatcher.compile(self.arguments)
+        if dispatcher.overloads[self.arguments].fndesc.llvm_func_name != self.symbol:
+            raise _StaleCallee
+
+
+class KernelCache(caching.FunctionCache):
+    """Numba's disk cache, for kernels that may call others by their symbols."""
+
+    def _load_overload(self, sig: Any, target_context: Any) -> Any:
+        try:
+            found = super()._load_overload(sig, target_context)
+        except _StaleCallee:
+            return None
+        if found is not None:
+            found.library._reload_init.update(found.reload_init)
+        return found
+
+
+def _link(library: Any, other: Any) -> None:
+    """What numba does where compiled code calls other compiled code, which it takes in and optimises anew; a callee that stays apart is called where it is."""
+    callee = getattr(other, "callee", None)
+    if callee is None:
+        _take_in(library, other)
+    else:
+        library._reload_init.add(callee)
+
+
+_take_in = CPUCodeLibrary.add_linking_library
+CPUCodeLibrary.add_linking_library = _link  # type: ignore[assignment, method-assign]
+
+
+def keep_apart(dispatcher: Any) -> None:
+    """Let those that call this kernel not take it in."""
+    add = dispatcher.add_overload
+
+    def add_apart(result: Any) -> None:
+        function = dispatcher.py_func
+        result.library.callee = _Callee(function.__module__, function.__name__, tuple(result.signature.args), result.fndesc.llvm_func_name)
+        add(result)
+
+    dispatcher.add_overload = add_apart

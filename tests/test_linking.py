@@ -1,0 +1,84 @@
+"""Long kernels stay apart from those that call them: also when both come from disk, and when the one on disk is not the one that was called."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+from garmentcad.arrays import kernel, long_kernel
+
+CALLEE = """
+from garmentcad.arrays import kernel, long_kernel
+
+@kernel
+def other(x):
+    return x - 1.0
+
+@long_kernel
+def twice(x):
+    return 2.0 * x
+"""
+CALLER = """
+from callee import twice
+from garmentcad.arrays import kernel
+
+@kernel
+def between(x):
+    return twice(x) + 1.0
+
+@kernel
+def above(x):
+    return between(x) + 10.0
+"""
+# `other` compiled first gives `twice` another number, and so another symbol.
+RUN = """
+import sys
+import callee, caller
+if sys.argv[1] == "other":
+    callee.other(1.0)
+print(caller.above(3.0), sum(caller.above.stats.cache_hits.values()))
+"""
+
+
+def run(folder: Path, how: str) -> list[str]:
+    paths = f"{folder}{os.pathsep}{Path(__file__).resolve().parents[1]}"
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(folder / "cache"), "PYTHONPATH": paths}
+    done = subprocess.run([sys.executable, "-c", RUN, how], env=environment, capture_output=True, text=True, check=True)
+    return done.stdout.split()
+
+
+def test_callers_on_disk_find_the_kernels_that_they_call(tmp_path):
+    (tmp_path / "callee.py").write_text(CALLEE)
+    (tmp_path / "caller.py").write_text(CALLER)
+    assert run(tmp_path, "alone") == ["17.0", "0"]
+    assert run(tmp_path, "alone") == ["17.0", "1"]
+    # a caller compiled anew takes in one that comes from disk, and with it whom that calls
+    for file in tmp_path.glob("cache/**/caller.above*"):
+        file.unlink()
+    assert run(tmp_path, "alone") == ["17.0", "0"]
+    assert run(tmp_path, "alone") == ["17.0", "1"]
+    # the callee on disk becomes one of another symbol: what was compiled for the old one is not used
+    for file in tmp_path.glob("cache/**/callee.twice*"):
+        file.unlink()
+    assert run(tmp_path, "other") == ["17.0", "0"]
+    assert run(tmp_path, "alone") == ["17.0", "1"]
+
+
+def test_a_caller_does_not_hold_its_long_callee():
+    @long_kernel
+    def long(x):
+        return 3.0 * x
+
+    @kernel
+    def short(x):
+        return x + 1.0
+
+    @kernel
+    def caller(x):
+        return long(short(x))
+
+    assert caller(1.0) == 6.0
+    (code,) = caller.inspect_llvm().values()
+    (symbol,) = (result.fndesc.llvm_func_name for result in long.overloads.values())
+    assert any(line.startswith("declare") and symbol in line for line in code.splitlines())
+    assert "fmul" not in code  # the callee's product
