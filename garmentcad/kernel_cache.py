@@ -9,16 +9,22 @@ Numba takes the code of a callee into every caller and optimises it there once m
 
 from __future__ import annotations
 
+import atexit
 import hashlib
 import os
+import pickle
 import re
 import shutil
+import subprocess
+import sys
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from numba import typeof
 from numba.core import caching
 from numba.core.codegen import CPUCodeLibrary
 
@@ -147,6 +153,11 @@ class KernelCache(caching.FunctionCache):
             found.library._reload_init.update(found.reload_init)
         return found
 
+    def has(self, sig: Any, target_context: Any) -> bool:
+        """Whether the kernel lies on disk for this signature."""
+        target_context.refresh()
+        return self._index_key(sig, target_context.codegen()) in self._cache_file._load_index()
+
 
 def _link(library: Any, other: Any) -> None:
     """What numba does where compiled code calls other compiled code, which it takes in and optimises anew; a callee that stays apart is called where it is."""
@@ -171,3 +182,30 @@ def keep_apart(dispatcher: Any) -> None:
         add(result)
 
     dispatcher.add_overload = add_apart
+
+
+def compile_beside(dispatcher: Any, *arguments: Any) -> None:
+    """Let another process compile a kernel for such arguments into the cache on disk, where that has it not yet and there is a second processor for it.
+
+    Nobody waits: a caller that is compiled meanwhile takes the kernel from disk if it is there by then.
+    """
+    processors = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    if not isinstance(getattr(dispatcher, "_cache", None), KernelCache) or processors < 2 or not sys.executable:
+        return
+    signature = tuple(typeof(argument) for argument in arguments)
+    if signature in dispatcher.overloads or dispatcher._cache.has(signature, dispatcher.targetctx):
+        return
+    function = dispatcher.py_func
+    paths = os.pathsep.join([str(_PACKAGE.parent), *filter(None, [os.environ.get("PYTHONPATH")])])
+    command = [sys.executable, "-c", "import garmentcad.kernel_cache as kernel_cache; kernel_cache._compile_sent()"]
+    quiet = subprocess.DEVNULL
+    beside = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=quiet, stderr=quiet, env=os.environ | {"PYTHONPATH": paths})
+    assert beside.stdin is not None
+    with suppress(OSError), beside.stdin as pipe:
+        pipe.write(pickle.dumps((function.__module__, function.__name__, signature)))
+    atexit.register(beside.kill)
+
+
+def _compile_sent() -> None:
+    module, name, signature = pickle.load(sys.stdin.buffer)
+    getattr(import_module(module), name).compile(signature)

@@ -5,6 +5,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from garmentcad.arrays import kernel, long_kernel
 
 CALLEE = """
@@ -39,11 +41,25 @@ if sys.argv[1] == "other":
 print(caller.above(3.0), sum(caller.above.stats.cache_hits.values()))
 """
 
+BESIDE = """
+import time
+import callee
+from garmentcad.kernel_cache import compile_beside
+from numba import float64
+before = callee.twice._cache.has((float64,), callee.twice.targetctx)
+compile_beside(callee.twice, 1.0)
+tries = 0
+while not callee.twice._cache.has((float64,), callee.twice.targetctx) and tries < 3000:
+    tries += 1
+    time.sleep(0.1)
+print(before, callee.twice(3.0), sum(callee.twice.stats.cache_hits.values()))
+"""
 
-def run(folder: Path, how: str) -> list[str]:
+
+def run(folder: Path, how: str, script: str = RUN) -> list[str]:
     paths = f"{folder}{os.pathsep}{Path(__file__).resolve().parents[1]}"
     environment = os.environ | {"NUMBA_CACHE_DIR": str(folder / "cache"), "PYTHONPATH": paths}
-    done = subprocess.run([sys.executable, "-c", RUN, how], env=environment, capture_output=True, text=True, check=True)
+    done = subprocess.run([sys.executable, "-c", script, how], env=environment, capture_output=True, text=True, check=True)
     return done.stdout.split()
 
 
@@ -62,6 +78,12 @@ def test_callers_on_disk_find_the_kernels_that_they_call(tmp_path):
         file.unlink()
     assert run(tmp_path, "other") == ["17.0", "0"]
     assert run(tmp_path, "alone") == ["17.0", "1"]
+
+
+@pytest.mark.skipif(len(os.sched_getaffinity(0)) < 2 if hasattr(os, "sched_getaffinity") else False, reason="one processor: nothing is compiled beside")
+def test_another_process_compiles_a_kernel_into_the_cache(tmp_path):
+    (tmp_path / "callee.py").write_text(CALLEE)
+    assert run(tmp_path, "alone", BESIDE) == ["False", "6.0", "1"]
 
 
 def test_a_caller_does_not_hold_its_long_callee():

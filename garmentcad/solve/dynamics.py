@@ -14,11 +14,12 @@ from garmentcad.arrays import floats, threads_apart
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.state import State
 from garmentcad.constraints.points import ConstraintPoints, no_bonds
-from garmentcad.contact.contact import SURGE, Contact, farthest
+from garmentcad.contact.contact import SURGE, Contact, farthest, respond
 from garmentcad.errors import GarmentError
 from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.internal import BINS, law_arguments
 from garmentcad.forces.time_step import SAFETY, measured_frequency
+from garmentcad.kernel_cache import compile_beside
 from garmentcad.solve.steps import CUT, DONE, LOOK, MOST_CUTS, RUNAWAY, TORN, TORN_LENGTH, Controls, mean_square, run_steps
 from garmentcad.solve.strain_limit import StrainLimit
 
@@ -187,6 +188,10 @@ class Dynamics:
         """Many steps. DivergedError where motion runs away, IntersectingError where contact cannot part what it holds."""
         self.mean_square_speed = 0.0
         self._check(state)
+        if not getattr(run_steps, "overloads", True):
+            # Forces and response are the two longest of what `run_steps` calls: one is compiled beside the other.
+            contact, motion = self.contact, (self.contact.positions, self.contact.velocities, self.contact.inverse_masses, state.time_step_s)
+            compile_beside(respond, contact.arguments(state), motion, 0.0, 0.0, 0.0)
         end = state.step + steps
         while state.step < end:
             self.estimate_time_step(state)
