@@ -5,13 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from garmentcad.bench import cloth_on_ball
+from garmentcad.bench import cases, cloth_on_ball
 from garmentcad.bench.cases import case_job, case_names, run_case
 from garmentcad.cloth.lattice import build_cloth
 from garmentcad.errors import InputError
 from garmentcad.fabric.law_tension import loading
 from garmentcad.placement.place import place_vertices
 from garmentcad.simulation.materials import lay_out
+from garmentcad.simulation.record import record
 
 GRID_MM = 50.0
 
@@ -53,9 +54,13 @@ def test_ball_is_round_and_closed() -> None:
     assert (np.einsum("fk,fk->f", np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), corners.mean(axis=1)) > 0.0).all()
 
 
-def test_case_without_seams_comes_to_rest_clean() -> None:
+def test_case_without_seams_comes_to_rest_clean(monkeypatch: pytest.MonkeyPatch) -> None:
+    measured = []
+    monkeypatch.setattr(cases, "record", lambda outcome: measured.append(record(outcome)) or measured[-1])
     row = run_case(case_job(cloth_on_ball.NAME, GRID_MM, "denim", 0), lambda progress: None)
     assert (row["status"], row["self_intersections"], row["penetration_mm"]) == ("converged", 0, 0.0)
+    strains = {way: values["p99"] for way, values in measured[0][1].strain_percent.items()}
+    assert row["strain_p99_percent"] == max(strains["warp"], strains["weft"]) < strains["bias"]
     assert row["us_per_step"] == pytest.approx(1e6 * row["drape_wall_s"] / row["steps"])
     assert 0.5 < sum(row["share"].values()) <= 1.0
     # A coarse lattice is stiff against folds and stands off the ball a little more than the 7 to 10 mm of a fine one.

@@ -27,7 +27,8 @@ from garmentcad.simulation.job import Job
 from garmentcad.simulation.study import StudyCase, run_study, study_table
 
 FOLDER = Path(__file__).resolve().parent.parent / "docs" / "studies"
-HEM = {"flared-skirt": "length", "straight-skirt": "length", "t-shirt": "below_hip"}  # the parameter that moves the hem
+# The parameter that moves the hem, where it is not the length.
+HEM = {"knit-top": "below_hip", "t-shirt": "below_hip", "mens-shirt": "below_hip", "trousers": "hem_height"}
 HEM_MM = (-10.0, 10.0)
 RUNS, FIRST_SEED = 10, 1000  # a run takes its starts from a thousand of its own; baselines count theirs from 0
 STIFFER = "flared-skirt"
@@ -44,7 +45,7 @@ COLUMNS = {
 def with_hem(job: Job, parameter: str, by_mm: float) -> Job:
     """The job with a garment that is longer, or shorter."""
     given = job.spec.parameters[parameter]
-    changed = given.model_copy(update={"value": float(given.value) + by_mm})
+    changed = given.model_copy(update={"value": f"({given.value}) + ({by_mm:g})"})
     spec = job.spec.model_copy(update={"parameters": job.spec.parameters | {parameter: changed}})
     return replace(job, spec=spec, pattern=draft(spec, job.mannequin.measurements_mm))
 
@@ -59,7 +60,7 @@ def with_doubled_bending(job: Job) -> Job:
 def changed_job(trial: Trial, parameters: Mapping[str, Any]) -> Job:
     """The drape of a case."""
     if parameters["change"] == MOVED:
-        return with_hem(trial.job, HEM[trial.job.pattern.name], parameters["by_mm"])
+        return with_hem(trial.job, HEM.get(trial.job.pattern.name, "length"), parameters["by_mm"])
     if parameters["change"] == DOUBLED:
         return with_doubled_bending(trial.job)
     return trial.job
