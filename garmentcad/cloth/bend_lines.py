@@ -24,6 +24,7 @@ _STEPS = ((-1, 0), (1, 0), (0, -1), (0, 1))  # arms: weft a, weft b, warp a, war
 _ARMS = {WEFT: (0, 1), WARP: (2, 3)}
 _LONGEST_ARM = 2.0  # of the grid; a contour that runs nearly along the line is met farther out, and such a line is left out
 _REACH = 2.0  # of the grid: how far area without a line of its own may be given to another
+_PARTS = 4  # into which each side of a border triangle is cut to see whose area it is
 _CHUNK = 4_000_000  # entries of a table of rays by segments
 
 
@@ -127,26 +128,31 @@ def _excess(mesh: PanelMesh, length: np.ndarray, arm: np.ndarray, weight: np.nda
 
 
 def _tributary_areas(mesh: PanelMesh, lined: np.ndarray) -> np.ndarray:
-    """(n,) area in mm2 of each lattice point among those that have a line: its quarter of each cell and its share of the strip.
+    """(n,) area in mm2 of each lattice point among those that have a line: its quarter of each cell, and of the strip what is nearest to it.
 
-    A border triangle is shared by its corners on the lattice; what has no such corner, or belongs to a point without a line, goes to the nearest that
-    has one within two grids.
+    Border triangles are cut into _PARTS x _PARTS like ones, whose areas go where their middle lies. (A triangle shared by its corners on the lattice depends on
+    which diagonal the mesh happened to take: rows of a narrow strip then had 0.5 to 1.5 times their area.) A point without a line gives its quarters to the
+    nearest that has one, within two grids, as does the strip.
     """
     count = mesh.lattice_count
     areas = np.bincount(mesh.cells.ravel(), minlength=count) * (0.25 * mesh.spacing**2)
-    triangle_areas = signed_areas(mesh.points, mesh.triangles)
-    on_lattice = mesh.triangles < count
-    corners = on_lattice.sum(axis=1)
-    shared = corners > 0
-    part = np.repeat((triangle_areas[shared] / corners[shared])[:, None], 3, axis=1)
-    areas = areas + np.bincount(mesh.triangles[shared][on_lattice[shared]], weights=part[on_lattice[shared]], minlength=count)
     has_line = np.zeros(count, dtype=bool)
     has_line[lined] = True
-    loose = np.concatenate([mesh.points[:count][~has_line], mesh.points[mesh.triangles[~shared]].mean(axis=1)])
-    loose_areas = np.concatenate([areas[~has_line], triangle_areas[~shared]])
+    middles = np.einsum("kc,tcx->tkx", _middles(_PARTS), mesh.points[mesh.triangles])
+    strip = np.repeat(signed_areas(mesh.points, mesh.triangles) / _PARTS**2, _PARTS**2)
+    loose = np.concatenate([mesh.points[:count][~has_line], middles.reshape(-1, 2)])
+    loose_areas = np.concatenate([areas[~has_line], strip])
     areas[~has_line] = 0.0
     if len(lined) and len(loose):
         distance, nearest = cKDTree(mesh.points[lined]).query(loose)
         near = distance <= _REACH * mesh.spacing
         areas += np.bincount(lined[nearest[near]], weights=loose_areas[near], minlength=count)
     return areas
+
+
+def _middles(parts: int) -> np.ndarray:
+    """(parts^2,3) barycentric middles of the like triangles into which a triangle is cut."""
+    upright = [(i + 1 / 3, j + 1 / 3) for i in range(parts) for j in range(parts - i)]
+    turned = [(i + 2 / 3, j + 2 / 3) for i in range(parts) for j in range(parts - i - 1)]
+    first = np.array(upright + turned) / parts
+    return np.column_stack([first, 1.0 - first.sum(axis=1)])

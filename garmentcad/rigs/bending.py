@@ -62,6 +62,7 @@ def bending_test(materials: MaterialTable, angle_deg: float, grid_mm: float, shi
     free = free_mm * MM_TO_M
     inside = (0.5 * step * (1.0 + 1e-6) if rows else RAGGED * grid_mm) * MM_TO_M
     still, turned = np.flatnonzero(along <= inside), np.flatnonzero(along >= free - inside)
+    specimen.hold(still, turned)
     modes = specimen.modes([still, turned], [(turned, 1), (turned, 2)])
     shared = np.asarray(modes.sum(axis=0))
     flat = np.column_stack([specimen.rest[:, 0], along, np.zeros(len(along))])

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from scipy.sparse import csr_array
 
+from garmentcad.cloth.cloth import ContourSpans
 from garmentcad.cloth.lattice import rectangle_cloth
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.assembly import ForceAssembly
@@ -41,6 +43,17 @@ class Specimen:
         self.rest = np.column_stack([MM_TO_M * self.cloth.vertex_uv_mm, np.zeros(self.cloth.particle_count)])
         self.axes = (0, 1) if stays_flat else (0, 1, 2)
         self._materials = materials
+        self.balance = self.under()
+
+    def hold(self, *clamps: np.ndarray) -> None:
+        """Clamps hold these particles from here on. Contour spans that reach out of a clamp are left out, as those that a fold crosses: curvature begins
+        at a clamp all at once, which is as good as a saw tooth to them."""
+        spans = self.cloth.spans
+        keep = np.ones(len(spans.corners), dtype=bool)
+        for held in clamps:
+            inside = np.isin(spans.corners, held).sum(axis=1)
+            keep &= (inside == 0) | (inside == spans.corners.shape[1])
+        self.cloth = replace(self.cloth, spans=ContourSpans(*(column[keep] for column in spans)))
         self.balance = self.under()
 
     def under(self, *body_forces: BodyForce) -> Equilibrium:

@@ -36,6 +36,7 @@ def overhang(materials: MaterialTable, length_mm: float, grid_mm: float, angle_d
     strip = Specimen(materials, WIDTH_MM, grip + length_mm, grid_mm, angle_deg, (0.5 * WIDTH_MM, grip + 0.5 * grid_mm), stays_flat=False)
     along = strip.rest[:, 1] - grip * MM_TO_M
     held = np.flatnonzero(along <= _INSIDE * strip.cloth.spacing)
+    strip.hold(held)
     given = np.column_stack([strip.rest[:, 0], np.zeros(len(along)), along])
     positions = _loaded(strip, given, np.zeros_like(given), held)
     _, tip = strip.ends
@@ -52,6 +53,7 @@ def loop_drop(materials: MaterialTable, length_mm: float, grid_mm: float, shape:
     along, length = strip.rest[:, 1] - grip * MM_TO_M, length_mm * MM_TO_M
     inside = _INSIDE * strip.cloth.spacing
     first, last = along <= inside, along >= length - inside
+    strip.hold(np.flatnonzero(first), np.flatnonzero(last))
     held = np.flatnonzero(first | last)
     # a ring whose chords are a spacing long; in the clamps it lies straight
     turn = 2.0 * math.pi * np.clip(along, 0.0, length) / length
