@@ -18,6 +18,7 @@ from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.internal import internal_forces
 from garmentcad.io.mannequin_file import read_mannequin
 from garmentcad.pattern.pattern import EdgeUse, Seam
+from garmentcad.simulation.course import Progress
 from garmentcad.simulation.sewing import Welding, close_seams, weld_state
 from garmentcad.simulation.start import refuse_tangled
 from garmentcad.solve.dynamics import Dynamics
@@ -92,3 +93,34 @@ def test_a_seam_that_is_turned_back_is_pulled_faster_and_faster_until_it_closes(
     dynamics.start(state)
     assert close_seams(dynamics, state, NO_HARDWARE, lambda progress: None).open_seams == []
     assert 0.6 < state.time_s < 1.5
+
+
+def test_seams_of_a_higher_order_wait_until_those_before_them_are_closed() -> None:
+    """Three squares in a row: the third lies as it was placed until the first two are one, and these stay so while it comes."""
+    materials = linear_fabric()
+    seams = tuple(
+        Seam(name, (EdgeUse(one, 1, False),), (EdgeUse(other, 3, True),), order=order)
+        for name, one, other, order in (("late", "b", "c", 2), ("early", "a", "b", 1))
+    )
+    cloth = build_cloth(pattern(*(rectangle(60, 60, name=name) for name in "abc"), seams=seams), one_material, materials, 20.0)
+    positions = 1e-3 * np.column_stack([cloth.vertex_uv_mm + np.column_stack([70.0 * cloth.vertex_panel, 0.0 * cloth.vertex_panel]), 0.0 * cloth.vertex_panel])
+    dynamics = Dynamics(
+        cloth, ForceAssembly(internal_forces(cloth, materials), cloth.particle_count, []), strain_limit(cloth, materials), Contact(cloth, materials)
+    )
+    state = State(positions.copy(), np.zeros_like(positions), phase="close")
+    dynamics.start(state)
+    third, seen = cloth.vertex_particle[cloth.vertex_panel == 2], []
+
+    def look(progress: Progress) -> None:
+        gaps = np.linalg.norm(state.positions[cloth.stitches[:, 0]] - state.positions[cloth.stitches[:, 1]], axis=1)
+        seen.append((np.abs(state.positions - positions)[third].max(), *(gaps[cloth.stitch_seam == seam].max() for seam in (0, 1))))
+
+    welding = close_seams(dynamics, state, NO_HARDWARE, look)
+    assert set(welding.gap_mm) == {"late", "early"}
+    assert max(welding.gap_mm.values()) < 0.1
+    moved, late, early = np.array(seen).T
+    waiting = moved < 1e-9
+    assert waiting.sum() > 3
+    assert late[waiting][-1] > 0.01, "the second seam opens wider while the first one pulls its panel away"
+    assert early[waiting][-1] < 1e-4
+    assert early[~waiting].max() < 2e-4

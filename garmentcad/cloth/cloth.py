@@ -150,6 +150,7 @@ class Cloth:
     edge_vertices: dict[str, np.ndarray]  # "panel.edge" -> vertices along the edge in outline order, both ends included
     seam_fold: np.ndarray = field(default_factory=lambda: np.zeros(0))  # (seams,) rad, rest angle of the hinges that welding makes
     seam_bend_factor: np.ndarray = field(default_factory=lambda: np.zeros(0))  # (seams,)
+    seam_order: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=np.int32))  # (seams,) int32, the lowest is sewn first
     folds: Folds = field(default_factory=no_folds)
     fold_names: tuple[str, ...] = ()  # "panel.fold"
     panel_layer: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=np.int32))  # (panels,) int32 from the body outward; none: all 0

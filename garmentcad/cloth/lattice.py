@@ -104,6 +104,7 @@ def build_cloth(
         edge_vertices=_edge_vertices(pattern, contours, contour_first),
         seam_fold=frozen(floats(np.radians([seam.fold_angle_deg for seam in pattern.seams]))),
         seam_bend_factor=frozen(floats([seam.bend_factor for seam in pattern.seams])),
+        seam_order=frozen(indices([seam.order for seam in pattern.seams])),
         folds=_join_folds(parts),
         fold_names=tuple(f"{name}.{fold.name}" for name, panel in pattern.panels.items() for fold in panel.folds),
         panel_layer=frozen(indices([panel.layer for panel in pattern.panels.values()])),

@@ -145,6 +145,9 @@ def _draft_mirrored(name: str, image: MirroredPanelSpec, source: Panel, scope: S
 def _placement(spec: PlacementSpec, scope: Scope, key: str) -> Wrap | Transform:
     if spec.wrap is not None:
         wrap, key = spec.wrap, f"{key}.wrap"
+        flare, spiral = scope.number(wrap.flare, f"{key}.flare", -89.0, 89.0), scope.number(wrap.spiral, f"{key}.spiral", -200.0, 200.0)
+        if flare != 0.0 and spiral != 0.0:
+            raise SpecError("a panel goes on a cone (flare) or on a spiral, not on both", key=f"{key}.spiral")
         return Wrap(
             part=wrap.part,
             anchor_mm=scope.point(wrap.anchor, f"{key}.anchor"),
@@ -153,7 +156,8 @@ def _placement(spec: PlacementSpec, scope: Scope, key: str) -> Wrap | Transform:
             offset_mm=scope.number(wrap.offset, f"{key}.offset", -1000.0, 5000.0),
             scale=scope.number(wrap.scale, f"{key}.scale", 0.1, 10.0),
             turn_deg=scope.number(wrap.turn, f"{key}.turn", -360.0, 360.0),
-            flare_deg=scope.number(wrap.flare, f"{key}.flare", 0.0, 89.0),
+            flare_deg=flare,
+            spiral_mm=spiral,
         )
     assert spec.transform is not None  # the model allows no third form
     transform, key = spec.transform, f"{key}.transform"

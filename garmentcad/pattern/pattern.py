@@ -57,8 +57,9 @@ class FoldLine:
 class Wrap:
     """Panel wrapped on an arrangement cylinder: the panel point `anchor_mm` goes to (angle, height); panel +x runs toward rising angle (to the right seen from
     outside), panel +y along `up`. The radii of the cylinder are enlarged by `offset_mm` and multiplied by `scale`; `turn_deg` turns the panel about its anchor
-    first (counter-clockwise). flare_deg > 0 wraps on a cone that widens downward, whose radius at the anchor's height is the mean radius of the enlarged
-    cylinder: `flare` = half apex angle; then the panel's polar coordinates about `apex` of the cone become angle and slant height."""
+    first (counter-clockwise). flare_deg wraps on a cone that widens downward, or upward where it is negative, whose radius at the anchor's height is the mean
+    radius of the enlarged cylinder: `flare` = half apex angle; then the panel's polar coordinates about `apex` of the cone become angle and slant height.
+    spiral_mm, on a cylinder: what the radii grow by in one turn to the right, so that the ends of a collar or cuff begin over each other."""
 
     part: str
     anchor_mm: tuple[float, float]
@@ -68,6 +69,7 @@ class Wrap:
     scale: float = 1.0
     turn_deg: float = 0.0
     flare_deg: float = 0.0
+    spiral_mm: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -118,7 +120,7 @@ class EdgeUse:
 @dataclass(frozen=True)
 class Seam:
     """Side a is sewn to side b, the first point of a to the first of b. ease: length of a over length of b minus 1, as intended.
-    closed: part of a zip that is closed, from the first points on; None for a seam."""
+    closed: part of a zip that is closed, from the first points on; None for a seam. order: it is sewn when all seams of a lower order are closed."""
 
     name: str
     a: tuple[EdgeUse, ...]
@@ -128,6 +130,7 @@ class Seam:
     bend_factor: float = 2.0
     strength_n_m: float | None = None
     closed: float | None = None
+    order: int = 1
 
 
 @dataclass(frozen=True)

@@ -230,6 +230,7 @@ class WrapSpec(Model):
     scale: Number = 1.0
     turn: Number = 0.0
     flare: Number = 0.0
+    spiral: Number = 0.0
 
 
 class TransformSpec(Model):
@@ -301,7 +302,7 @@ Side = Annotated[Annotated[Run, Tag("<run>")] | Annotated[list[Run], Field(min_l
 class SeamSpec(Model):
     """Side a sewn to side b; the first point of a meets the first of b. A side is one run [first, last] or a list of runs.
 
-    ease: length of a over length of b minus 1, as intended; fold_angle: degrees at rest, 0 is flat; strength: N/m.
+    ease: length of a over length of b minus 1, as intended; fold_angle: degrees at rest, 0 is flat; strength: N/m; order: when it is sewn, 1 is first.
     """
 
     name: Name
@@ -311,6 +312,7 @@ class SeamSpec(Model):
     fold_angle: Number = 0.0
     bend_factor: Number = 2.0
     strength: Number | None = None
+    order: Whole = Field(default=1, ge=1, le=9)
 
 
 class PinSpec(Model):

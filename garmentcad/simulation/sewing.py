@@ -1,4 +1,5 @@
-"""Sewing: stitches close by dynamic constraints, without gravity and gently, and are then welded; pins and buttons close with them, and stay."""
+"""Sewing: stitches close by dynamic constraints, without gravity and gently, order after order, and are then welded; pins and buttons close with the first
+ones, and stay."""
 
 from __future__ import annotations
 
@@ -29,6 +30,7 @@ WIDEST_WELD_MM = 1.0  # a seam that was wider open when it was welded did not cl
 HELD_M = 1e-3  # gap of pins and buttons at which cloth is dressed; they go on to close afterwards
 HOLDING_RATE = 150.0  # 1/s, of pins and buttons once the seams are welded
 _GAP, _SPEED, _REDUNDANT = "gap_mm.", "gap_speed_m_s", "redundant."
+_ORDER, _FROM = "sewing_order", "sewing_from_s"  # in State.run: the order that closes, and since when
 
 
 @dataclass(frozen=True)
@@ -66,11 +68,24 @@ class Welding:
 
 
 def close_seams(dynamics: Dynamics, state: State, hardware: PointRows, look: Callable[[Progress], None]) -> Welding:
-    """Pull the stitches of `dynamics.cloth` (without gravity), and what pins and buttons hold, together until every gap is closed or the cap is reached."""
+    """Pull the stitches of `dynamics.cloth` (without gravity), and what pins and buttons hold, together until every gap is closed or the cap is reached:
+    first those of the lowest order, which then hold while the next ones close. What is not yet sewn lies free."""
     cloth = dynamics.cloth
-    names = tuple(cloth.seam_names[k] for k in cloth.stitch_seam)
+    order = cloth.seam_order[cloth.stitch_seam]
+    began = state.run.get(_ORDER, 0.0)
+    for now in np.unique(order[order >= began]).tolist() or [began]:
+        if state.run.get(_ORDER) != now:
+            state.run |= {_ORDER: float(now), _FROM: state.time_s}
+        welding = _close(dynamics, state, hardware, np.flatnonzero(order <= now), look)
+    return welding
+
+
+def _close(dynamics: Dynamics, state: State, hardware: PointRows, chosen: np.ndarray, look: Callable[[Progress], None]) -> Welding:
+    """Close the `chosen` stitches."""
+    cloth, since = dynamics.cloth, state.run[_FROM]
+    names = tuple(cloth.seam_names[k] for k in cloth.stitch_seam[chosen])
     pull, nodes, sewn = CLOSING_PULL_N_M * cloth.spacing, dynamics.contact.nodes, len(names)
-    rows = joined_rows(stitch_rows(cloth.stitches, names), hardware)
+    rows = joined_rows(stitch_rows(cloth.stitches[chosen], names), hardware)
     dynamics.constraint = ConstraintPoints(rows, dynamics.inverse_masses, CLOSING_RATE, pull, CLOSING_LEAST_M_S, nodes)
     _make_room(state, rows)
     dynamics.equalise, dynamics.drag = True, CLOSING_DRAG
@@ -79,9 +94,9 @@ def close_seams(dynamics: Dynamics, state: State, hardware: PointRows, look: Cal
         gaps, speeds = dynamics.constraint_errors(state)
         look(Progress(state.phase, state.step, state.time_s, float(gaps.max(initial=0.0)) * 1e3, None, dynamics.measures(state)[2], None))
         closed = gaps[:sewn].max(initial=0.0) < CLOSED_M and gaps[sewn:].max(initial=0.0) < HELD_M
-        if closed or state.time_s >= CLOSING_CAP_S:
+        if closed or state.time_s - since >= CLOSING_CAP_S:
             break
-        dynamics.constraint.least_speed = least_closing_speed(state.time_s)
+        dynamics.constraint.least_speed = least_closing_speed(state.time_s - since)
         advance_or_retreat(dynamics, state)
     worst: dict[str, float] = {}
     for name, gap in zip(names, gaps):
