@@ -8,7 +8,7 @@ import numpy as np
 import trimesh
 
 from garmentcad.arrays import floats, frozen, indices, rows_by_key
-from garmentcad.cloth.cloth import WARP, WEFT, BendLines, BorderTriangles, Cells, Cloth, ContourSpans, Links, SeamHinges
+from garmentcad.cloth.cloth import WARP, WEFT, BendLines, BorderTriangles, Cells, Cloth, ContourSpans, Hinges, Links
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.mannequin.mannequin import ArrangementCylinder, Mannequin
 
@@ -111,9 +111,9 @@ def rectangles(columns: int, rows: int, spacing_m: float, panels: int, sewn: boo
             np.zeros(len(strip), dtype=np.int32),
             np.zeros(len(uv), dtype=np.int32),
         ),
-        bends=BendLines(none, none.reshape(0, 2), empty, none.reshape(0, 2), empty, empty, empty, empty, empty, none, none),
+        bends=BendLines(none, none.reshape(0, 2), empty, none.reshape(0, 2), empty, empty, empty, empty, none, none),
         spans=ContourSpans(none.reshape(0, 4), empty.reshape(0, 4), empty, empty, none),
-        hinges=SeamHinges(none.reshape(0, 4), empty, empty, empty, empty, none.reshape(0, 2), empty.reshape(0, 2)),
+        hinges=Hinges(none.reshape(0, 4), empty, empty, empty, empty, none.reshape(0, 2), empty.reshape(0, 2), none),
         triangles=frozen(indices(triangles)),
         triangle_material=np.zeros(len(triangles), dtype=np.int32),
         stitches=none.reshape(0, 2),

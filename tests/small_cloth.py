@@ -6,7 +6,7 @@ import numba
 import numpy as np
 
 from garmentcad.arrays import floats, frozen, indices, rows_by_key
-from garmentcad.cloth.cloth import WARP, WEFT, BendLines, BorderTriangles, Cells, Cloth, ContourSpans, Links, SeamHinges
+from garmentcad.cloth.cloth import WARP, WEFT, BendLines, BorderTriangles, Cells, Cloth, ContourSpans, Hinges, Links
 from garmentcad.fabric.law_shear import stick_way
 from garmentcad.fabric.law_tension import initial_slope
 from garmentcad.fabric.material import MaterialTable
@@ -97,15 +97,15 @@ def small_cloth() -> Cloth:
     center_, arm_a, arm_b, weight_a, weight_b, length_a, length_b, width, line_direction = zip(*lines)
     bends = BendLines(
         indices(center_), indices(arm_a), floats(weight_a), indices(arm_b), floats(weight_b),
-        floats(length_a), floats(length_b), floats(width), np.ones(len(lines)), indices(line_direction), material(len(lines)),
+        floats(length_a), floats(length_b), floats(width), indices(line_direction), material(len(lines)),
     )  # fmt: skip
 
     # hinges over the warp links between two rows of cells: wing a on the left, wing b on the right of an edge that runs up
     edges = [(lattice[r, c], lattice[r + 1, c], lattice[r, c - 1], lattice[r + 1, c + 1]) for r in range(ROWS - 1) for c in range(1, COLUMNS - 1)]
     count = len(edges)
-    hinges = SeamHinges(
+    hinges = Hinges(
         indices(edges), np.full(count, H), np.ones(count), rng.uniform(-0.5, 0.5, count), np.full(count, 2.0),
-        indices(np.column_stack([material(count), material(count)])), rng.uniform(0.0, 1.0, (count, 2)),
+        indices(np.column_stack([material(count), material(count)])), rng.uniform(0.0, 1.0, (count, 2)), np.full(count, -1, dtype=np.int32),
     )  # fmt: skip
 
     rows = np.column_stack([contour[k : len(contour) - 3 + k] for k in range(4)])

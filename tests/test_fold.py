@@ -1,4 +1,4 @@
-"""Fold lines and pleats: from the spec to the pattern, and the share that pressing leaves."""
+"""Fold lines: from the spec to the pattern, and the share that pressing leaves."""
 
 from __future__ import annotations
 
@@ -18,7 +18,13 @@ def panel(**more: Any) -> Panel:
     drawn = {
         "points": {"a": [0, 0], "b": [200, 0], "c": [200, 400], "d": [0, 400]},
         "edges": [{"name": f"e_{name}", "from": name, "to": after} for name, after in zip("abcd", "bcda")],
-        "internal_lines": {"center": [[0, 0], [0, 400]], "one": [[80, 0], [80, 400]], "two": [[110, 0], [110, "20 * 20"]], "dot": [[5, 5], [5, 5]]},
+        "internal_lines": {
+            "center": [[0, 0], [0, 400]],
+            "one": [[80, 0], [80, 400]],
+            "two": [[110, 0], [110, "10 * 20"]],
+            "dot": [[5, 5], [5, 5]],
+            "slant": [[200, -50], [-100, 250]],
+        },
         "placement": {"transform": {"translation": [0, 0, 0]}},
         **more,
     }
@@ -33,10 +39,13 @@ def test_a_fold_is_pressed_unless_it_is_said_how() -> None:
     assert made[0].points_mm.tolist() == [[80.0, 0.0], [80.0, 400.0]]
 
 
-def test_a_knife_pleat_is_two_folds_that_turn_back() -> None:
-    outer, under = panel(pleats=[{"name": "k", "fold": "one", "under": "two", "angle": 160}]).folds
-    assert (outer.name, outer.angle_deg, under.name, under.angle_deg) == ("k_fold", -160.0, "k_under", 160.0)
-    assert under.points_mm[0].tolist() == [110.0, 0.0]
+def test_edges_are_cut_where_folds_meet_them() -> None:
+    made = panel(folds=[{"name": "f", "line": "slant", "angle": 9}, {"name": "inside", "line": "two", "angle": 9}])
+    pieces = [(edge.name, edge.piece, edge.start, edge.end) for edge in made.edges]
+    assert pieces[:2] == [("e_a", 1, "a", "inside_1"), ("e_a", 2, "inside_1", "f_1")]
+    assert [name for name, *_ in pieces] == ["e_a", "e_a", "e_a", "e_b", "e_c", "e_d", "e_d"]
+    assert made.points["f_1"] == pytest.approx((150.0, 0.0), abs=1e-9)
+    assert made.points["f_2"] == pytest.approx((0.0, 150.0), abs=1e-9)
 
 
 def test_mirrored_folds_keep_their_side_of_the_fabric_and_one_on_the_mirror_stays_one() -> None:
@@ -44,11 +53,11 @@ def test_mirrored_folds_keep_their_side_of_the_fabric_and_one_on_the_mirror_stay
         edges=[{"name": name, "from": name[0], "to": name[1]} for name in ("ab", "bc", "cd", "da")],
         mirror="da",
         folds=[{"name": "crease", "line": "center", "angle": -170}],
-        pleats=[{"name": "k", "fold": "one", "under": "two"}],
+        pleats=[{"name": "k", "edge": "cd", "at": {"mm": 80, "from": "d"}, "depth": 30}],
     )
-    assert [fold.name for fold in drawn.folds] == ["crease", "k_fold", "k_under", "k_fold_m", "k_under_m"]
+    assert [fold.name for fold in drawn.folds] == ["crease", "k_1_fold", "k_1_under", "k_1_fold_m", "k_1_under_m"]
     assert [fold.angle_deg for fold in drawn.folds] == [-170.0, -170.0, 170.0, -170.0, 170.0]
-    assert np.array_equal(drawn.folds[3].points_mm, [[-80.0, 0.0], [-80.0, 400.0]])
+    assert np.array_equal(drawn.folds[3].points_mm, [[-80.0, 400.0], [-80.0, 0.0]])
 
 
 @pytest.mark.parametrize(("more", "key", "message"), [
@@ -59,7 +68,6 @@ def test_mirrored_folds_keep_their_side_of_the_fabric_and_one_on_the_mirror_stay
     ({"folds": [{"name": "f", "line": "one", "angle": 9, "strength": 0}]}, "folds.0.strength", "allowed is 0.1 to 100"),
     ({"folds": [{"name": "f", "line": "one", "angle": 9}, {"name": "f", "line": "two", "angle": 9}]}, "folds.1.name", "a second fold is called 'f'"),
     ({"folds": [{"name": "f", "line": "one", "angle": 9, "pressed": []}]}, "folds.0.pressed", "a number or an expression is wanted"),
-    ({"pleats": [{"name": "k", "fold": "one", "under": "tow"}]}, "pleats.0.under", "did you mean 'two'"),
 ])  # fmt: skip
 def test_faults(more: dict[str, Any], key: str, message: str) -> None:
     with pytest.raises(SpecError) as caught:

@@ -11,7 +11,7 @@ from force_checks import particle_forces
 from small_cloth import H, flat, materials, small_cloth
 
 from garmentcad.arrays import floats, indices
-from garmentcad.cloth.cloth import SeamHinges
+from garmentcad.cloth.cloth import Hinges
 from garmentcad.forces.hinge import ForceHinge
 
 MATERIALS = materials()
@@ -20,7 +20,8 @@ MATERIALS = materials()
 def folded(angle: float, rest: float = 0.0, across_warp: tuple[float, float] = (1.0, 1.0)) -> tuple[ForceHinge, np.ndarray]:
     """One hinge over the edge from particle 1 up to particle 6; its right wing (7 or 2) is folded toward the right side (+z) by `angle`."""
     cloth = small_cloth()
-    hinge = SeamHinges(indices([[1, 6, 0, 7]]), floats([0.01]), floats([1.0]), floats([rest]), floats([2.0]), indices([[0, 1]]), floats([across_warp]))
+    sizes = floats([0.01]), floats([1.0]), floats([rest]), floats([2.0])
+    hinge = Hinges(indices([[1, 6, 0, 7]]), *sizes, indices([[0, 1]]), floats([across_warp]), indices([-1]))
     positions = flat(cloth)
     positions[7] = positions[6] + H * np.array([math.cos(angle), 0.0, math.sin(angle)])
     return ForceHinge(replace(cloth, hinges=hinge), MATERIALS), positions

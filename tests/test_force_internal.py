@@ -19,7 +19,7 @@ LAWS["bend at the contour"] = FORCES["bend"]
 
 
 def test_all_laws_are_there() -> None:
-    assert list(FORCES) == ["lattice", "border", "bend", "span", "hinge", "fold"]
+    assert list(FORCES) == ["lattice", "border", "bend", "span", "hinge"]
     assert list(FORCES["lattice"].energies(flat(CLOTH))) == ["stretch", "shear", "twist", "bend"]
 
 

@@ -88,11 +88,17 @@ def test_a_pressed_crease_stays_and_one_that_is_not_opens() -> None:
 
 
 def test_a_pressed_knife_pleat_stays_folded() -> None:
-    made = job(140, pleats=[{"name": "knife", "fold": "outer", "under": "inner", "angle": 140}])
-    assert shares(made) == pytest.approx([0.85, 0.85])
-    _, (ironed, hung), state = pressed_and_hung(made)
-    assert ironed["p.knife_fold"] == pytest.approx(-140.0, abs=12.0)
-    assert ironed["p.knife_under"] == pytest.approx(140.0, abs=12.0)
-    assert np.degrees(state.fold_angles) == pytest.approx([-119.0, 119.0])
-    assert -0.95 * 140 < hung["p.knife_fold"] < -0.6 * 140
-    assert 0.6 * 140 < hung["p.knife_under"] < 0.95 * 140
+    folds = [{"name": "outer", "line": "outer", "angle": -140}, {"name": "under", "line": "inner", "angle": 140}]
+    kept = {}
+    for pressed in (True, False):
+        made = job(140, folds=[{**fold, "pressed": pressed} for fold in folds])
+        assert shares(made) == pytest.approx([0.85, 0.85] if pressed else [0.0, 0.0])
+        _, (ironed, hung), state = pressed_and_hung(made)
+        assert ironed["p.outer"] == pytest.approx(-140.0, abs=12.0)
+        assert ironed["p.under"] == pytest.approx(140.0, abs=12.0)
+        assert np.degrees(state.fold_angles) == pytest.approx([-119.0, 119.0] if pressed else [0.0, 0.0])
+        kept[pressed] = hung["p.outer"] / -140.0, hung["p.under"] / 140.0
+    # the weight of the wings closes the fold by which they hang, and opens the other
+    assert 0.85 < kept[True][0] < 1.1
+    assert 0.6 < kept[True][1] < 0.85
+    assert kept[False][1] < 0.3

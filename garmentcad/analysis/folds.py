@@ -8,27 +8,26 @@ import numpy as np
 import shapely
 
 from garmentcad.cloth.cloth import Cloth
-from garmentcad.cloth.folds import WIDEST
 from garmentcad.units import M_TO_MM
 
-_FAR = 1.0  # grids beyond the cylinder of the fold on which the cloth on either side is looked at
+_ON_MM = 0.01  # from the fold: a corner of a triangle that lies on it
 _STRETCH = 3.0  # grids of fold over which normals are averaged
 
 
 def fold_angles_deg(cloth: Cloth, positions: np.ndarray, folds: Mapping[str, np.ndarray]) -> dict[str, float | None]:
     """Mean angle along each fold, degrees: 0 is flat, positive where the right sides face each other. folds: "panel.fold" -> points (N,2) on the panel, mm.
 
-    On each stretch of a fold, the angle from the mean normal of the cloth on one side to that on the other, about the direction of the fold; None where
-    there is no cloth on both sides.
+    On each stretch of a fold, the angle from the mean normal of the triangles along one side to that of those along the other, about the direction of the fold;
+    None where there is no cloth on both sides.
     """
     return {name: _mean_angle(cloth, positions, name.split(".")[0], points) for name, points in folds.items()}
 
 
 def _mean_angle(cloth: Cloth, positions: np.ndarray, panel: str, points: np.ndarray) -> float | None:
-    grid = cloth.spacing * M_TO_MM
-    mine = np.flatnonzero(cloth.vertex_panel[cloth.triangles[:, 0]] == cloth.panel_names.index(panel))
-    place = cloth.vertex_uv_mm[cloth.triangles[mine]].mean(axis=1)
     line = shapely.LineString(points)
+    on_fold = shapely.dwithin(shapely.points(cloth.vertex_uv_mm), line, _ON_MM) & (cloth.vertex_panel == cloth.panel_names.index(panel))
+    mine = np.flatnonzero(on_fold[cloth.triangles].sum(axis=1) == 2)
+    place = cloth.vertex_uv_mm[cloth.triangles[mine]].mean(axis=1)
     at = shapely.line_locate_point(line, shapely.points(place))
     foot = shapely.get_coordinates(shapely.line_interpolate_point(line, at))
     step = 1e-3 * line.length
@@ -36,15 +35,13 @@ def _mean_angle(cloth: Cloth, positions: np.ndarray, panel: str, points: np.ndar
     behind = shapely.get_coordinates(shapely.line_interpolate_point(line, np.maximum(at - step, 0.0)))
     along, away = ahead - behind, place - foot
     left = along[:, 0] * away[:, 1] - along[:, 1] * away[:, 0] > 0.0
-    distance = np.linalg.norm(away, axis=1)
-    used = (distance > 0.5 * WIDEST * grid) & (distance < (0.5 * WIDEST + _FAR) * grid) & (at > 0.0) & (at < line.length)
     corners = positions[cloth.particle_triangles[mine]]
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    count = max(1, int(line.length / (_STRETCH * grid)))
+    count = max(1, int(line.length / (_STRETCH * cloth.spacing * M_TO_MM)))
     stretch = np.minimum((at / line.length * count).astype(int), count - 1)
     found = []
     for k in range(count):
-        sides = [used & (stretch == k) & side for side in (left, ~left)]
+        sides = [(stretch == k) & side for side in (left, ~left)]
         if not all(side.any() for side in sides):
             continue
         one, two = (normal[side].sum(axis=0) for side in sides)

@@ -7,11 +7,10 @@ from collections.abc import Iterator
 import shapely
 
 from garmentcad.check.finding import Finding
-from garmentcad.pattern.fold import FOLD, UNDER
-from garmentcad.pattern.pattern import FoldLine, Panel
+from garmentcad.pattern.pattern import Panel
 
 _OUTSIDE_MM = 0.5
-_FOLDS_APART = 2.0  # grids; nearer ones share the cloth that each of them turns
+_FOLDS_APART = 1.0  # grids; between nearer ones there is no lattice
 
 
 def check_folds(panel: Panel, polygon: shapely.Polygon, grid_mm: float, file: str | None, key: str) -> Iterator[Finding]:
@@ -40,17 +39,6 @@ def check_folds(panel: Panel, polygon: shapely.Polygon, grid_mm: float, file: st
             if 0.0 < distance < _FOLDS_APART * grid_mm:
                 yield Finding(
                     "warning", "folds-close", file, f"{key}.folds.{name}",
-                    f"fold {other} is {distance:.1f} mm away; at a grid of {grid_mm:g} mm folds are {_FOLDS_APART * grid_mm:g} mm wide",
+                    f"fold {other} is {distance:.1f} mm away, less than a grid of {grid_mm:g} mm",
                     f"Use a grid of at most {distance / _FOLDS_APART:.1f} mm, or move them apart.",
                 )  # fmt: skip
-    yield from _check_pleats(panel.folds, lines, file, key)
-
-
-def _check_pleats(folds: tuple[FoldLine, ...], lines: dict[str, shapely.LineString], file: str | None, key: str) -> Iterator[Finding]:
-    for fold in folds:
-        under = fold.name.replace(FOLD, UNDER) if FOLD in fold.name else ""
-        if under in lines and lines[fold.name].intersects(lines[under]):
-            yield Finding(
-                "error", "pleat-crosses-itself", file, f"{key}.pleats.{fold.name.replace(FOLD, '')}", "the two fold lines of the pleat cross",
-                "Draw them side by side, as far apart as the pleat is deep.",
-            )  # fmt: skip

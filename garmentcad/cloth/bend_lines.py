@@ -5,6 +5,8 @@ tributary area: a quarter of each cell, and the strip beyond the last lattice po
 arm that ends on the contour and count the corners of the stair twice: up to 20 % on a strip of 50 mm at 10 mm.) Beside a seam the half of the arm next to the
 sew line belongs to the seam's hinge and is left out.
 
+A fold is a contour with cloth on both sides: lines end there, and bending over it is its hinge's.
+
 A point on a chord lies below a surface that curves along the chord, which adds to the turning angle. The width of such a line is reduced so that its
 energy is right in the mean over all directions of a cylinder.
 """
@@ -12,6 +14,7 @@ energy is right in the mean over all directions of a cylinder.
 from __future__ import annotations
 
 import numpy as np
+import shapely
 from scipy.spatial import cKDTree
 
 from garmentcad.arrays import floats, indices
@@ -51,7 +54,6 @@ def bend_lines(mesh: PanelMesh) -> BendLines:
         length_a=floats(length_a * MM_TO_M),
         length_b=floats(length_b * MM_TO_M),
         width=floats(width * MM_TO_M),
-        held=np.ones(len(center)),
         direction=indices(direction),
         material=np.zeros(len(center), dtype=np.int32),
     )
@@ -64,15 +66,25 @@ def _arms(mesh: PanelMesh) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarr
     arm = np.empty((count, 4, 2), dtype=np.int64)
     weight = np.zeros((count, 4))
     on_seam = np.zeros((count, 4), dtype=bool)
+    sewn = np.append(mesh.contour.sewn, np.ones(len(mesh.contour.fold_segments[0]), dtype=bool))
     for k, step in enumerate(_STEPS):
-        # Both lattice points of a pair lie half a grid from the contour: it cannot pass between them.
+        # Both lattice points of a pair lie half a grid from the contour: it cannot pass between them. A fold can, just half-way.
         other = neighbors(mesh.place, step)
+        other[_across_folds(mesh, other)] = -1
         arm[:, k, :] = other[:, None]
         alone = np.flatnonzero(other < 0)
         length[alone, k], segment, weight[alone, k] = _cast(mesh, alone, step)
-        arm[alone, k, :] = mesh.segments[segment]
-        on_seam[alone, k] = mesh.contour.sewn[segment]
+        arm[alone, k, :] = mesh.walls[segment]
+        on_seam[alone, k] = sewn[segment]
     return length, arm, weight, on_seam
+
+
+def _across_folds(mesh: PanelMesh, other: np.ndarray) -> np.ndarray:
+    """Lattice points between which and their neighbours `other` (n,), -1 for none, a fold runs."""
+    folds = shapely.linestrings(mesh.points[mesh.contour.fold_segments[0] + mesh.lattice_count])
+    paired = np.flatnonzero(other >= 0)
+    ways = shapely.linestrings(np.stack([mesh.points[paired], mesh.points[other[paired]]], axis=1))
+    return np.unique(paired[shapely.STRtree(folds).query(ways, predicate="intersects")[0]])
 
 
 def _cast(mesh: PanelMesh, start: np.ndarray, step: tuple[int, int]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -82,7 +94,7 @@ def _cast(mesh: PanelMesh, start: np.ndarray, step: tuple[int, int]) -> tuple[np
     """
     axis = 0 if step[0] else 1
     sign = step[axis]
-    ends = mesh.points[mesh.segments]
+    ends = mesh.points[mesh.walls]
     (along_a, along_b), (across_a, across_b) = ends[:, :, axis].T, ends[:, :, 1 - axis].T
     distance, segment, place = np.full(len(start), np.inf), np.zeros(len(start), dtype=np.int64), np.zeros(len(start))
     rows = max(1, _CHUNK // len(ends))

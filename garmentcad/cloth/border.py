@@ -42,7 +42,7 @@ def border_triangles(mesh: PanelMesh, material: np.ndarray) -> BorderTriangles:
 
 
 def _patch_owner(mesh: PanelMesh) -> np.ndarray:
-    """(N,) point whose patch each point uses: its own on the lattice; on the contour two neighbours of a loop share one.
+    """(N,) point whose patch each point uses: its own on the lattice; on the contour two neighbours of a loop, or of a fold, share one.
 
     A patch takes two freedoms (warp and weft strain) and a point brings two: a patch for each point leaves a strip of stiff yarns none to shear with.
     """
@@ -51,4 +51,7 @@ def _patch_owner(mesh: PanelMesh) -> np.ndarray:
     for start, stop in itertools.pairwise(starts):
         place = np.arange(stop - start)
         owner[mesh.lattice_count + start : mesh.lattice_count + stop] = mesh.lattice_count + start + place - place % 2
+    for _, chain in mesh.contour.chains:
+        inner = chain[chain >= starts[-1]] + mesh.lattice_count
+        owner[inner] = np.repeat(inner[::2], 2)[: len(inner)]
     return owner

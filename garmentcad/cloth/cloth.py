@@ -66,7 +66,6 @@ class BendLines(NamedTuple):
     length_a: np.ndarray  # (B,) m at rest
     length_b: np.ndarray  # (B,) m at rest
     width: np.ndarray  # (B,) m
-    held: np.ndarray  # (B,) part of the sheet's bending friction that acts in the line: less over a fold
     direction: np.ndarray  # (B,) int32 direction of the line
     material: np.ndarray  # (B,) int32
 
@@ -81,8 +80,8 @@ class ContourSpans(NamedTuple):
     material: np.ndarray  # (N,) int32
 
 
-class SeamHinges(NamedTuple):
-    """Hinges over welded sew lines. Corners: the two ends of the edge, then the wing of side a, the wing of side b.
+class Hinges(NamedTuple):
+    """Hinges over fold lines and welded sew lines. Corners: the two ends of the edge, then the wing of side a, the wing of side b.
 
     E = factor * B_n * (angle - rest_angle)^2 * length^2 / (2 (A_a + A_b)), B_n the mean over both sides of the bending stiffness across the edge,
     from material and `across_warp` (cosine between the edge's normal in the panel and the warp of that side).
@@ -91,33 +90,11 @@ class SeamHinges(NamedTuple):
     corners: np.ndarray  # (H,4) int32
     length: np.ndarray  # (H,) m
     length2_over_area: np.ndarray  # (H,) length^2 / (A_a + A_b), no unit
-    rest_angle: np.ndarray  # (H,) rad, 0 is flat, positive folds toward the right side of the fabric
-    factor: np.ndarray  # (H,) bend factor of the seam (layers of allowance)
+    rest_angle: np.ndarray  # (H,) rad, 0 is flat, positive folds toward the right side of the fabric; of a fold what `State` says counts
+    factor: np.ndarray  # (H,) bend factor of the seam (layers of allowance), strength of the fold
     material: np.ndarray  # (H,2) int32
     across_warp: np.ndarray  # (H,2)
-
-
-class Folds(NamedTuple):
-    """Which bend lines and cells fold lines cross, one row a pair (see cloth/folds.py). Places: along and across the fold, m."""
-
-    line: np.ndarray  # (N,) int32 row of BendLines
-    line_fold: np.ndarray  # (N,) int32
-    line_width: np.ndarray  # (N,) of the fold, m
-    line_weight: np.ndarray  # (N,) part of the line that lies beside this stretch of the fold, not past its end
-    line_share: np.ndarray  # (N,) part of the line that lies in the fold
-    line_places: np.ndarray  # (N,9,2) centre, arm a (two), arm b (two), both ends (of two) of the line that crosses there
-    cell: np.ndarray  # (M,) int32 row of Cells
-    cell_fold: np.ndarray  # (M,) int32
-    cell_width: np.ndarray  # (M,)
-    cell_weight: np.ndarray  # (M,)
-    cell_share: np.ndarray  # (M,)
-    cell_places: np.ndarray  # (M,4,2) corners 00, 10, 11, 01
-
-
-def no_folds() -> Folds:
-    """The folds of a cloth without fold lines."""
-    rows, values = np.empty(0, np.int32), np.empty(0)
-    return Folds(rows, rows, values, values, values, np.empty((0, 9, 2)), rows, rows, values, values, values, np.empty((0, 4, 2)))
+    fold: np.ndarray  # (H,) int32 number of the fold, -1 over a seam
 
 
 @dataclass(frozen=True)
@@ -141,7 +118,7 @@ class Cloth:
     border: BorderTriangles
     bends: BendLines
     spans: ContourSpans
-    hinges: SeamHinges
+    hinges: Hinges
     triangles: np.ndarray  # (F,3) int32 VERTICES (not particles): what contact, judge and exporters use
     triangle_material: np.ndarray  # (F,) int32
     stitches: np.ndarray  # (S,2) int32 particles still to be welded (empty after welding)
@@ -151,7 +128,6 @@ class Cloth:
     seam_fold: np.ndarray = field(default_factory=lambda: np.zeros(0))  # (seams,) rad, rest angle of the hinges that welding makes
     seam_bend_factor: np.ndarray = field(default_factory=lambda: np.zeros(0))  # (seams,)
     seam_order: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=np.int32))  # (seams,) int32, the lowest is sewn first
-    folds: Folds = field(default_factory=no_folds)
     fold_names: tuple[str, ...] = ()  # "panel.fold"
     panel_layer: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=np.int32))  # (panels,) int32 from the body outward; none: all 0
 

@@ -1,15 +1,16 @@
-"""Contours: outlines and holes of all panels as points no farther apart than the grid. Millimetres."""
+"""Contours: outlines, holes and fold lines of all panels as points no farther apart than the grid. Millimetres."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 import shapely
 
 from garmentcad.arrays import indices
+from garmentcad.cloth.fold_chains import fold_chains
 from garmentcad.cloth.seam_match import SeamMatch, match_seam, part_count
 from garmentcad.errors import SpecError
 from garmentcad.geometry.polygon import crossing_point, signed_area
@@ -20,24 +21,38 @@ _JOIN_MM = 0.01  # edges of a loop meet within this, and points of a contour lie
 
 @dataclass(frozen=True)
 class Contour:
-    """Sampled outline and holes of one panel.
+    """Sampled outline, holes and fold lines of one panel.
 
-    points_mm (N,2): loop after loop, each with the panel on its left; loop_start (K+1,): compressed rows, the outline first;
-    edge_points: for each edge (outline, then holes, in order) its points with both ends, indices into points_mm;
-    sewn (N,) bool: whether a seam runs over the segment that starts at the point.
+    points_mm (N,2): loop after loop, each with the panel on its left, then what fold lines have between their ends; loop_start (K+1,): compressed rows, the
+    outline first; edge_points: for each edge (outline, then holes, in order) its points with both ends, indices into points_mm;
+    sewn (loop_start[-1],) bool: whether a seam runs over the segment that starts at the point; chains: number of a fold and its points in order, more than one
+    chain where the fold leaves the panel.
     """
 
     points_mm: np.ndarray
     loop_start: np.ndarray
     edge_points: tuple[np.ndarray, ...]
     sewn: np.ndarray
+    chains: tuple[tuple[int, np.ndarray], ...] = ()
 
     @cached_property
     def segments(self) -> np.ndarray:
-        """(N,2) int32: each point and the next one of its loop."""
-        after = np.arange(1, len(self.points_mm) + 1)
+        """(N,2) int32: each point of a loop and the next one."""
+        after = np.arange(1, self.loop_start[-1] + 1)
         after[self.loop_start[1:] - 1] = self.loop_start[:-1]
         return indices(np.stack([np.arange(len(after)), after], axis=1))
+
+    @cached_property
+    def fold_segments(self) -> tuple[np.ndarray, np.ndarray]:
+        """(F,2) int32: neighbours on fold lines; and the fold of each (F,)."""
+        pairs = [np.stack([chain[:-1], chain[1:]], axis=1) for _, chain in self.chains]
+        numbers = np.repeat([number for number, _ in self.chains], [len(pair) for pair in pairs])
+        return indices(np.concatenate([np.empty((0, 2)), *pairs])), indices(numbers)
+
+    @property
+    def walls(self) -> np.ndarray:
+        """(N+F,2) int32: what no cell reaches across, loops and then folds."""
+        return np.concatenate([self.segments, self.fold_segments[0]])
 
     @cached_property
     def polygon(self) -> shapely.Polygon:
@@ -93,7 +108,8 @@ def _sample_panel(panel: Panel, sewn: dict[tuple[str, int], np.ndarray], grid_mm
         loop_start.append(count)
     contour = Contour(np.concatenate(points), indices(loop_start), tuple(edge_points), np.concatenate(flags))
     _check_loops(panel, contour, grid_mm)
-    return contour
+    inside, chains = fold_chains(panel.folds, contour.points_mm, contour.polygon, grid_mm)
+    return replace(contour, points_mm=np.concatenate([contour.points_mm, inside]), chains=chains)
 
 
 def _check_lengths(panel: Panel) -> None:
@@ -128,7 +144,7 @@ def _check_loops(panel: Panel, contour: Contour, grid_mm: float) -> None:
 
 
 def _stitches(seam: Seam, match: SeamMatch, contours: dict[str, Contour], number: dict[str, int]) -> np.ndarray:
-    """Stitches (S,4) along a seam, or along the closed part of a zip."""
+    """Stitches (S,4) along a seam, or along the closed part of a zip; last the tack of a pleat."""
     arriving_a, leaving_a = _run_points(seam.a, match.joints_a, match.count, contours, number)
     arriving_b, leaving_b = _run_points(seam.b, match.joints_b, match.count, contours, number)
     pairs = np.stack([np.hstack([arriving_a, arriving_b]), np.hstack([leaving_a, leaving_b])], axis=1).reshape(-1, 4)
@@ -137,7 +153,11 @@ def _stitches(seam: Seam, match: SeamMatch, contours: dict[str, Contour], number
         pairs = pairs[: 2 * (teeth + 1) if teeth > 0 else 0]
     fresh = np.append(True, np.any(pairs[1:] != pairs[:-1], axis=1))
     apart = np.any(pairs[:, :2] != pairs[:, 2:], axis=1)  # the apex of a dart needs no stitch
-    return indices(pairs[fresh & apart])
+    stitches = pairs[fresh & apart]
+    if seam.tack is not None:
+        onto = number[seam.tack.panel], contours[seam.tack.panel].edge_points[seam.tack.edge][0]
+        stitches = np.vstack([stitches, [*arriving_a[-1], *onto]])
+    return indices(stitches)
 
 
 def _run_points(

@@ -24,13 +24,16 @@ _FLAT = 1e-6  # of the span: a bulge that is round-off
 
 
 def contour_spans(mesh: PanelMesh) -> ContourSpans:
-    """Spans of all loops of one panel in the panel's own numbering, material row 0."""
-    after = mesh.segments[:, 1] - np.int32(mesh.lattice_count)
+    """Spans of all loops and folds of one panel in the panel's own numbering, material row 0. None reaches across a fold, which is a saw tooth to it."""
+    contour = mesh.contour
+    after, folded = contour.segments[:, 1], contour.fold_segments[0]
     chain: list[np.ndarray] = [np.arange(len(after))]
     for _ in range(3):
         chain.append(after[chain[-1]])
-    rows = np.stack(chain, axis=1) + mesh.lattice_count
-    rows = rows[rows[:, 0] != rows[:, 3]]  # a triangular loop
+    rows = np.stack(chain, axis=1)
+    rows = rows[(rows[:, 0] != rows[:, 3]) & ~np.isin(rows[:, 1:3], folded).any(axis=1)]  # a triangular loop has none
+    rows = np.concatenate([rows, *(np.lib.stride_tricks.sliding_window_view(points, 4) for _, points in contour.chains if len(points) > 3)])
+    rows += mesh.lattice_count
     sides = np.diff(mesh.points[rows], axis=1)
     lengths = np.linalg.norm(sides, axis=2)
     turn = np.abs(np.arctan2(_cross(sides[:, :2], sides[:, 1:]), np.sum(sides[:, :2] * sides[:, 1:], axis=2)))

@@ -12,10 +12,10 @@ from scipy.spatial import cKDTree
 from garmentcad.arrays import floats, frozen, indices, unique_pairs
 from garmentcad.cloth.bend_lines import bend_lines
 from garmentcad.cloth.border import border_triangles
-from garmentcad.cloth.cloth import WARP, WEFT, BendLines, BorderTriangles, Cells, Cloth, ContourSpans, Folds, Links, SeamHinges
+from garmentcad.cloth.cloth import WARP, WEFT, BendLines, BorderTriangles, Cells, Cloth, ContourSpans, Hinges, Links
 from garmentcad.cloth.contour import Contour, sample_contours
 from garmentcad.cloth.contour_spans import contour_spans
-from garmentcad.cloth.folds import held, panel_folds, spans_beside, strengthened
+from garmentcad.cloth.hinges import fold_hinges
 from garmentcad.cloth.panel_mesh import PARTICLE_CAP, PanelMesh, mesh_panel, to_panel
 from garmentcad.errors import InputError, LimitError, SpecError
 from garmentcad.fabric.material import MaterialTable
@@ -42,8 +42,7 @@ class _Part(NamedTuple):
     spans: ContourSpans
     triangles: np.ndarray
     triangle_material: np.ndarray
-    folds: Folds
-    fold_count: int
+    hinges: Hinges
 
 
 def build_cloth(
@@ -95,7 +94,7 @@ def build_cloth(
         border=_join_border([part.border for part in parts], first),
         bends=_join([part.bends for part in parts], first, ("center", "arm_a", "arm_b")),
         spans=_join([part.spans for part in parts], first, ("corners",)),
-        hinges=no_hinges(),
+        hinges=_join_hinges(pattern, parts, first),
         triangles=frozen(indices(np.concatenate([part.triangles + start for part, start in zip(parts, first)]))),
         triangle_material=frozen(indices(np.concatenate([part.triangle_material for part in parts]))),
         stitches=frozen(indices(np.concatenate(pairs) if pairs else np.empty((0, 2)))),
@@ -105,7 +104,6 @@ def build_cloth(
         seam_fold=frozen(floats(np.radians([seam.fold_angle_deg for seam in pattern.seams]))),
         seam_bend_factor=frozen(floats([seam.bend_factor for seam in pattern.seams])),
         seam_order=frozen(indices([seam.order for seam in pattern.seams])),
-        folds=_join_folds(parts),
         fold_names=tuple(f"{name}.{fold.name}" for name, panel in pattern.panels.items() for fold in panel.folds),
         panel_layer=frozen(indices([panel.layer for panel in pattern.panels.values()])),
     )
@@ -137,15 +135,6 @@ def rectangle_cloth(
     return panel_cloth(panel, materials, material, grid_mm, origin_mm=origin_mm)
 
 
-def no_hinges() -> SeamHinges:
-    """The hinges of a cloth that is not welded."""
-
-    def none(*columns: int) -> np.ndarray:
-        return frozen(np.empty((0, *columns)))
-
-    return SeamHinges(frozen(np.empty((0, 4), np.int32)), none(), none(), none(), none(), frozen(np.empty((0, 2), np.int32)), none(2))
-
-
 def _part(panel: Panel, mesh: PanelMesh, material_of: MaterialOf, materials: MaterialTable) -> _Part:
     uv = to_panel(mesh.points, panel.grain_deg)
     uv[mesh.lattice_count :] = mesh.contour.points_mm  # outline points keep their bits
@@ -173,23 +162,19 @@ def _part(panel: Panel, mesh: PanelMesh, material_of: MaterialOf, materials: Mat
         material=cell_material,
     )
     bends = bend_lines(mesh)
-    links, spans = _links(mesh), spans_beside(mesh, contour_spans(mesh), panel.folds, panel.grain_deg)
-    folds = panel_folds(mesh, bends, panel.folds, panel.grain_deg)
-    bends, twist_area = strengthened(folds, np.array([fold.strength for fold in panel.folds]), bends, cells.twist_area)
-    bends, cells = bends._replace(held=held(folds, len(bends.width))), cells._replace(twist_area=twist_area)
+    links, spans, border = _links(mesh), contour_spans(mesh), border_triangles(mesh, strip_material)
     triangles, source = _contact_triangles(mesh)
     return _Part(
         uv,
         masses,
         links._replace(material=rows_at(uv[links.ends].mean(axis=1))),
         cells,
-        border_triangles(mesh, strip_material),
+        border,
         bends._replace(material=rows_at(uv[bends.center])),
         spans._replace(material=rows_at(uv[spans.corners].mean(axis=1))),
         triangles,
         np.concatenate([cell_material[source], strip_material]),
-        folds,
-        len(panel.folds),
+        fold_hinges(border, *mesh.fold_segments, np.array([fold.strength for fold in panel.folds])),
     )
 
 
@@ -251,13 +236,10 @@ def _join_border(parts: list[BorderTriangles], first: np.ndarray) -> BorderTrian
     return _join(shifted, first, ("corners",))
 
 
-def _join_folds(parts: list[_Part]) -> Folds:
-    shifted, line, cell, fold = [], 0, 0, 0
-    for part in parts:
-        rows = part.folds
-        shifted.append(rows._replace(line=rows.line + line, line_fold=rows.line_fold + fold, cell=rows.cell + cell, cell_fold=rows.cell_fold + fold))
-        line, cell, fold = line + len(part.bends.width), cell + len(part.cells.material), fold + part.fold_count
-    return _join(shifted, np.zeros(len(parts), dtype=np.int64), ())
+def _join_hinges(pattern: Pattern, parts: list[_Part], first: np.ndarray) -> Hinges:
+    counts = [len(panel.folds) for panel in pattern.panels.values()]
+    shifted = [part.hinges._replace(fold=part.hinges.fold + np.int32(before)) for part, before in zip(parts, np.cumsum([0, *counts]))]
+    return _join(shifted, first, ("corners",))
 
 
 def _edge_vertices(pattern: Pattern, contours: dict[str, Contour], contour_first: np.ndarray) -> dict[str, np.ndarray]:

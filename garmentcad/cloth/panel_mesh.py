@@ -1,4 +1,7 @@
-"""The mesh of one panel at rest: lattice particles along the grain, full cells of four, and triangles in the strip between cells and contour. Millimetres."""
+"""The mesh of one panel at rest: lattice particles along the grain, full cells of four, and triangles in the strip between cells and contour. Millimetres.
+
+A fold line is a contour with cloth on both sides: its points are particles, no cell reaches across, and triangles join along it.
+"""
 
 from __future__ import annotations
 
@@ -44,6 +47,17 @@ class PanelMesh:
         """(S,2) int32 contour segments in the numbering of `points`, the panel on the left."""
         return self.contour.segments + np.int32(self.lattice_count)
 
+    @property
+    def fold_segments(self) -> tuple[np.ndarray, np.ndarray]:
+        """(F,2) int32 segments of folds, and the fold of each (F,)."""
+        ends, fold = self.contour.fold_segments
+        return ends + np.int32(self.lattice_count), fold
+
+    @property
+    def walls(self) -> np.ndarray:
+        """(S+F,2) int32 those and the segments of folds."""
+        return self.contour.walls + np.int32(self.lattice_count)
+
 
 def to_grain(points: np.ndarray, grain_deg: float) -> np.ndarray:
     """(weft, warp) coordinates of panel points (N,2); warp is panel +y turned counter-clockwise by the grain angle."""
@@ -61,8 +75,8 @@ def mesh_panel(
 ) -> PanelMesh:
     """Mesh a panel. The lattice passes through `origin_mm` (panel coordinates), by default it is symmetric in the panel's box along the grain.
 
-    Lattice points are kept inside the outline and at least half a grid from it. A cell is full when its four corners are kept and no outline runs
-    through it. Raises LimitError above `particle_cap` particles, SpecError when the strip cannot be triangulated.
+    Lattice points are kept inside the outline and at least half a grid from it and from folds. A cell is full when its four corners are kept and no outline
+    or fold runs through it. Raises LimitError above `particle_cap` particles, SpecError when the strip cannot be triangulated.
     """
     expected = contour.polygon.area / grid_mm**2 + len(contour.points_mm)
     if expected > particle_cap:
@@ -72,7 +86,7 @@ def mesh_panel(
     origin = _centered_origin(lower, upper, grid_mm) if origin_mm is None else to_grain(np.array([origin_mm], dtype=float), grain_deg)[0]
     lattice, place = _lattice_points(contour, border, origin, grid_mm)
     corners = _kept_squares(place)
-    corners = corners[~_cut_squares(lattice[corners], border, contour.segments)]
+    corners = corners[~_cut_squares(lattice[corners], border, contour.walls)]
     points = np.concatenate([lattice, border])
     triangles = _strip(name, points, corners, contour, len(lattice), grid_mm)
     return PanelMesh(grid_mm, points, place, corners, place[corners[:, 0]].sum(axis=1), triangles, contour)
@@ -96,7 +110,7 @@ def _lattice_points(contour: Contour, border: np.ndarray, origin: np.ndarray, gr
     shapely.prepare(polygon)
     inside = shapely.contains_xy(polygon, points[:, 0], points[:, 1])
     points, place = points[inside], place[inside]
-    tree = shapely.STRtree(shapely.linestrings(border[contour.segments]))
+    tree = shapely.STRtree(shapely.linestrings(border[contour.walls]))
     near, _ = tree.query(shapely.points(points), predicate="dwithin", distance=(0.5 - _NEAR) * grid)
     keep = np.ones(len(points), dtype=bool)
     keep[near] = False
@@ -141,7 +155,7 @@ def _strip(name: str, points: np.ndarray, cells: np.ndarray, contour: Contour, l
     renumber = np.cumsum(~surrounded) - 1
     key = f"panels.{name}"
     try:
-        triangles = indices(used[constrained_triangles(points[used], renumber[border])])
+        triangles = indices(used[constrained_triangles(points[used], renumber[border], renumber[contour.fold_segments[0] + lattice_count])])
     except TriangulationError as error:
         raise SpecError(f"the panel cannot be triangulated at a grid of {grid:g} mm ({error}); outline parts may lie too close together", key=key) from error
     areas = signed_areas(points, triangles)

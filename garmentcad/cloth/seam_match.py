@@ -51,6 +51,8 @@ def match_seam(seam: Seam, panels: dict[str, Panel], grid_mm: float) -> SeamMatc
     marks = _marks(seam, a, b)
     along_a, along_b = (np.array([getattr(mark, name) for mark in marks]) for name in ("a", "b"))
     parts = [part_count(max(da, db), grid_mm) for da, db in zip(np.diff(along_a), np.diff(along_b))]
+    if seam.tack is not None and len(parts) == 1:
+        parts = [max(2, parts[0])]  # one edge would lie on that of the cloth over which the pleat is caught, as a third layer
     positions_a, positions_b = _fill(along_a, parts), _fill(along_b, parts)
     joints_a, joints_b = np.searchsorted(positions_a, a.joints), np.searchsorted(positions_b, b.joints)
     return SeamMatch(

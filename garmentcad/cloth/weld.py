@@ -10,7 +10,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from garmentcad.arrays import floats, frozen, indices
-from garmentcad.cloth.cloth import Cloth, SeamHinges
+from garmentcad.cloth.cloth import Cloth, Hinges
+from garmentcad.cloth.hinges import made_hinges
 from garmentcad.errors import SpecError
 from garmentcad.units import M_TO_MM
 
@@ -46,7 +47,7 @@ def weld(cloth: Cloth) -> tuple[Cloth, np.ndarray]:
         border=cloth.border._replace(corners=frozen(particle[cloth.border.corners])),
         bends=bends._replace(center=frozen(particle[bends.center]), arm_a=frozen(particle[bends.arm_a]), arm_b=frozen(particle[bends.arm_b])),
         spans=cloth.spans._replace(corners=frozen(particle[cloth.spans.corners])),
-        hinges=SeamHinges(*(frozen(np.concatenate(pair)) for pair in zip(old, made))),
+        hinges=Hinges(*(frozen(np.concatenate(pair)) for pair in zip(old, made))),
         stitches=frozen(cloth.stitches[:0]),
         stitch_seam=frozen(cloth.stitch_seam[:0]),
     )
@@ -74,7 +75,7 @@ def _refuse_collapse(cloth: Cloth, particle: np.ndarray) -> None:
     raise SpecError(f"{text}; the panel is too narrow there for a grid of {cloth.spacing * M_TO_MM:g} mm: use a smaller grid", key=f"panels.{panel}")
 
 
-def _seam_hinges(cloth: Cloth, particle: np.ndarray) -> SeamHinges:
+def _seam_hinges(cloth: Cloth, particle: np.ndarray) -> Hinges:
     """Hinges between border triangles whose contour edges become one.
 
     The edge runs as side a's outline does, so that the wing of side a lies to its left seen on the right side of the fabric.
@@ -97,19 +98,8 @@ def _seam_hinges(cloth: Cloth, particle: np.ndarray) -> SeamHinges:
     order = np.lexsort((ends[pairs[:, 0], 0], seam)) if len(pairs) else np.arange(0)
     pairs, seam = pairs[order], seam[order]
     rows, corner = triangle[pairs], wing[pairs]
-    areas = border.area[rows]
-    warp, weft = border.warp_gradient[rows, corner], border.weft_gradient[rows, corner]
-    steepness = np.hypot(warp, weft)  # the wing's gradient is square to the edge, and as long as edge / (2 area)
-    lengths = 2.0 * areas * steepness
-    return SeamHinges(
-        corners=indices(np.concatenate([particle[ends[pairs[:, 0]]], particle[border.corners[rows, corner]]], axis=1)),
-        length=floats(lengths.mean(axis=1)),
-        length2_over_area=floats(lengths.mean(axis=1) ** 2 / areas.sum(axis=1)),
-        rest_angle=floats(cloth.seam_fold[seam]),
-        factor=floats(cloth.seam_bend_factor[seam]),
-        material=indices(border.material[rows]),
-        across_warp=floats(warp / steepness),
-    )
+    made = made_hinges(border, ends[pairs[:, 0]], rows, corner, cloth.seam_fold[seam], cloth.seam_bend_factor[seam])
+    return made._replace(corners=indices(particle[made.corners]))
 
 
 def _edge_groups(ends: np.ndarray) -> np.ndarray:

@@ -227,7 +227,7 @@ class ForceBend(OneLaw):
         self._rest = np.column_stack([lines.length_a, lines.length_b])
         arm = self._rest.mean(axis=1)
         bending = materials.bending[lines.material, lines.direction]
-        self.way = materials.bending_friction[lines.material, lines.direction] / (STICK * bending) * arm * lines.held
+        self.way = materials.bending_friction[lines.material, lines.direction] / (STICK * bending) * arm
         least = np.vstack([SHORTEST * self._rest.T, LEAST_NORMAL * arm**2])
         self._lines = BendElements(indices(points), weights, floats(least), bending * lines.width / arm, self.way)
         corners = points.copy()

@@ -1,10 +1,12 @@
-"""Seam hinges: the fold angle over welded sew lines.
+"""Hinges: the fold angle over welded sew lines and over fold lines.
 
     E = K (r^2 + STICK (r - s)^2)/2   [J]      r = theta - theta0, s slider (fabric/law_bending.py)      K = factor B_n length^2/(A_a + A_b)   [N.m per rad]
     B_n = mean over both sides of B_warp c^4 + B_weft s^4 + 4 D66 c^2 s^2,  c cosine between the edge's normal and the warp
 
 theta [rad] is 0 where the two triangles are flat and positive where they fold toward the right side of the fabric. Corners: edge from 0 to 1, wing of side a
 on its left as seen from the right side of the fabric, wing of side b on its right. theta is the curvature times (A_a + A_b)/length, so far its slider's way.
+Over a fold there is no friction: cloth is bent there far beyond where friction slips, over a few thicknesses and not over the strip of a hinge; smeared over
+that it would hold tens of degrees (an estimate).
 Source: orthotropic plate rotated to the edge (PHYSICS: B at angle t); factor counts the layers of the seam allowance.
 """
 
@@ -106,17 +108,20 @@ def write_hinge(hinges, sliders, positions, velocities, out):  # type: ignore[no
 
 
 class ForceHinge(OneLaw):
-    """Hinges over the seams of `cloth`."""
+    """Hinges over the seams and folds of `cloth`. fold_angles (F,): rest angles of the folds, rad; None for flat ones."""
 
     name = "hinge"
 
-    def __init__(self, cloth: Cloth, materials: MaterialTable) -> None:
-        hinges = cloth.hinges
+    def __init__(self, cloth: Cloth, materials: MaterialTable, fold_angles: np.ndarray | None = None) -> None:
+        hinges, over_fold = cloth.hinges, cloth.hinges.fold >= 0
+        rest = np.array(hinges.rest_angle)
+        if fold_angles is not None:
+            rest[over_fold] = fold_angles[hinges.fold[over_fold]]
         across = bending_along(materials, hinges.material, hinges.across_warp)
         hold = bending_friction_along(materials, hinges.material, hinges.across_warp).mean(axis=1)
         mean = across.mean(axis=1)
-        self.way = hold / (STICK * mean) * hinges.length / hinges.length2_over_area
-        self._hinges = HingeElements(np.array(hinges.corners), hinges.factor * mean * hinges.length2_over_area, np.array(hinges.rest_angle), self.way)
+        self.way = np.where(over_fold, 0.0, hold / (STICK * mean) * hinges.length / hinges.length2_over_area)
+        self._hinges = HingeElements(np.array(hinges.corners), hinges.factor * mean * hinges.length2_over_area, rest, self.way)
         self.arguments = (self._hinges,)
         self.corners = indices(hinges.corners).ravel()
 

@@ -11,11 +11,9 @@ from garmentcad.arrays import indices, inlined, long_kernel, parallel_kernel
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces import bend as bend_lines
-from garmentcad.forces import fold as fold_lines
 from garmentcad.forces.band import ForceBand, no_bands, write_bands
 from garmentcad.forces.bend import bend_part
 from garmentcad.forces.border import ForceBorder, border_part
-from garmentcad.forces.fold import ForceFold, fold_part
 from garmentcad.forces.force import NO_PARTICLE, Force
 from garmentcad.forces.hinge import ForceHinge, hinge_part
 from garmentcad.forces.lattice import ForceLattice, contour_lines, lattice_block
@@ -23,14 +21,14 @@ from garmentcad.forces.rows import PART
 from garmentcad.forces.span import ForceSpan, span_part
 from garmentcad.forces.time_step import DAMPING_RATIO, internal_damping_time
 
-LAWS = ("lattice", "border", "bend", "span", "hinge", "fold")
+LAWS = ("lattice", "border", "bend", "span", "hinge")
 BINS = 8  # the parts of all forces are dealt out in so many bins of about the same work, whatever the number of threads
 # Work of an element, us: of lattice blocks a slot, of the others one of the 128 elements of a part (measured, one thread).
-_WORK = (0.02, 0.022, 0.01, 0.014, 0.014, 0.03)
+_WORK = (0.02, 0.022, 0.01, 0.014, 0.014)
 
 
 @inlined
-def _one_part(kind, part, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, fold, held, positions, velocities, out):  # type: ignore[no-untyped-def]
+def _one_part(kind, part, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, held, positions, velocities, out):  # type: ignore[no-untyped-def]
     """Returns the energy lost [J]."""
     if kind == 0:
         return lattice_block(part, blocks, (coefficients, held[0]), setting, positions, velocities, rooms, out[first[0] : first[1]])
@@ -40,37 +38,33 @@ def _one_part(kind, part, first, blocks, coefficients, setting, rooms, border, b
         return bend_part(part, bend, held[2], positions, out[first[2] : first[3]])
     if kind == 4:
         return hinge_part(part, hinge, held[3], positions, out[first[4] : first[5]])
-    if kind == 3:
-        span_part(part, span, positions, out[first[3] : first[4]])
-    else:
-        fold_part(part, fold, positions, out[first[5] : first[6]])
+    span_part(part, span, positions, out[first[3] : first[4]])
     return 0.0
 
 
 @long_kernel
-def _one_bin(number, deal, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, fold, held, positions, velocities, out, lost):  # type: ignore[no-untyped-def]
+def _one_bin(number, deal, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, held, positions, velocities, out, lost):  # type: ignore[no-untyped-def]
     for k in range(deal.start[number], deal.start[number + 1]):
         kind, part = np.int64(deal.kind[k]), np.int64(deal.part[k])
-        lost[number] += _one_part(kind, part, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, fold, held, positions, velocities, out)
+        lost[number] += _one_part(kind, part, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, held, positions, velocities, out)
 
 
 @parallel_kernel
-def _write_all(deal, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, fold, s0, s1, s2, s3, positions, velocities, out, lost):  # type: ignore[no-untyped-def]
+def _write_all(deal, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, s0, s1, s2, s3, positions, velocities, out, lost):  # type: ignore[no-untyped-def]
     for number in prange(BINS):
         held = s0, s1, s2, s3  # of lattice, border, bend, hinge
-        _one_bin(np.int64(number), deal, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, fold, held, positions, velocities, out, lost)
+        _one_bin(np.int64(number), deal, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, held, positions, velocities, out, lost)
 
 
 @inlined
 def write_internal(laws, positions, velocities, corner_forces):  # type: ignore[no-untyped-def]
     """All corner forces, in one parallel region. laws: see `law_arguments`."""
-    deal, first, lattice, border, bend, span, hinge, fold, (a, b, c, d), lost, bands = laws
+    deal, first, lattice, border, bend, span, hinge, (a, b, c, d), lost, bands = laws
     blocks, coefficients, setting, rooms = lattice
     _write_all(
-        deal, first, blocks, coefficients, setting, rooms, border[0], bend[0], span[0], hinge[0], fold[0], a, b, c, d, positions, velocities,
-        corner_forces, lost,
+        deal, first, blocks, coefficients, setting, rooms, border[0], bend[0], span[0], hinge[0], a, b, c, d, positions, velocities, corner_forces, lost,
     )  # fmt: skip
-    write_bands(bands, positions, corner_forces[first[6] :])
+    write_bands(bands, positions, corner_forces[first[5] :])
 
 
 class Deal(NamedTuple):
@@ -86,11 +80,11 @@ def law_arguments(forces: tuple[Any, ...], sliders: dict[str, np.ndarray], lost:
     compiled law needs, the sliders by name of force, which are moved, and lost (BINS,), to which the energy that they lose [J] is added, and the bands."""
     if tuple(force.name for force in forces) not in (LAWS, (*LAWS, ForceBand.name)):
         raise ValueError(f"forces {[force.name for force in forces]}; the stepper knows {list(LAWS)}, in this order, and {ForceBand.name} after them")
-    lattice, border, bend, span, hinge, fold = forces[: len(LAWS)]
+    lattice, border, bend, span, hinge = forces[: len(LAWS)]
     bands = forces[-1].segments if len(forces) > len(LAWS) else no_bands()
-    corners = (1, 3, bend_lines.CORNERS, 4, 4, fold_lines.CORNERS)
+    corners = (1, 3, bend_lines.CORNERS, 4, 4)
     sizes = [lattice.arguments[0].size]
-    for force, per_element in zip((border, bend, span, hinge, fold), corners[1:]):
+    for force, per_element in zip((border, bend, span, hinge), corners[1:]):
         count = len(force.corners) // per_element
         sizes.append(np.minimum(PART, count - PART * np.arange(-(-count // PART))))
     kind, part = np.repeat(np.arange(len(LAWS)), [len(size) for size in sizes]), np.concatenate([np.arange(len(size)) for size in sizes])
@@ -110,7 +104,7 @@ def law_arguments(forces: tuple[Any, ...], sliders: dict[str, np.ndarray], lost:
 
 
 def internal_forces(cloth: Cloth, materials: MaterialTable, damping_ratio: float = DAMPING_RATIO, fold_angles: np.ndarray | None = None) -> list[Force]:
-    """Lattice (stretch, shear, twist, bend), border, bend lines that end on the contour, contour spans, seam hinges and folds of `cloth`.
+    """Lattice (stretch, shear, twist, bend), border, bend lines that end on the contour, contour spans, and hinges over seams and folds of `cloth`.
 
     fold_angles (F,): rest angles of the folds, rad; None for flat ones.
 
@@ -126,4 +120,4 @@ def internal_forces(cloth: Cloth, materials: MaterialTable, damping_ratio: float
         stiffness += np.bincount(force.corners[used], weights=corner_stiffness[used], minlength=len(stiffness))
     for force in damped:
         force.damping_time = internal_damping_time(stiffness, cloth.masses, damping_ratio)
-    return [*damped, contour_lines(cloth, materials), ForceSpan(cloth, materials), ForceHinge(cloth, materials), ForceFold(cloth, materials, fold_angles)]
+    return [*damped, contour_lines(cloth, materials), ForceSpan(cloth, materials), ForceHinge(cloth, materials, fold_angles)]

@@ -18,11 +18,11 @@ _JITTER = 1e-8  # of the extent; far above round-off of the tests below, far bel
 
 
 class TriangulationError(GarmentError):
-    """The border edges do not bound a region: they cross, or do not close."""
+    """The border edges do not bound a region: they cross, or do not close; or an inner edge crosses one."""
 
 
-def constrained_triangles(points: np.ndarray, border: np.ndarray) -> np.ndarray:
-    """Counter-clockwise triangles (T,3) int32 that fill the region to the left of the directed `border` edges (E,2).
+def constrained_triangles(points: np.ndarray, border: np.ndarray, inner: np.ndarray | None = None) -> np.ndarray:
+    """Counter-clockwise triangles (T,3) int32 that fill the region to the left of the directed `border` edges (E,2) and have the `inner` edges (I,2).
 
     points (N,2): distances between them must be above 1e-6 of their extent; points outside the region are allowed and not used.
     Raises TriangulationError when edges cross or the region is open.
@@ -31,10 +31,11 @@ def constrained_triangles(points: np.ndarray, border: np.ndarray) -> np.ndarray:
     noise = np.random.default_rng(0).uniform(-1.0, 1.0, points.shape) * (_JITTER * extent)
     moved = points - points.mean(axis=0) + noise
     mesh = _Flips(moved, Delaunay(moved).simplices)
-    fixed = {(min(a, b), max(a, b)) for a, b in border.tolist()}
-    for a, b in border.tolist():
+    edges = border.tolist() + ([] if inner is None else inner.tolist())
+    fixed = {(min(a, b), max(a, b)) for a, b in edges}
+    for a, b in edges:
         mesh.insert(a, b, fixed)
-    triangles = mesh.flood(border, fixed)
+    triangles = mesh.flood(border)
     return triangles[np.lexsort(triangles.T[::-1])]
 
 
@@ -130,10 +131,11 @@ class _Flips:
                 self._flip(a, b)
                 edges += [(right, b), (b, left), (left, a), (a, right)]
 
-    def flood(self, border: np.ndarray, fixed: set[tuple[int, int]]) -> np.ndarray:
+    def flood(self, border: np.ndarray) -> np.ndarray:
         """Triangles to the left of the border edges, and all that are reached from them without crossing one."""
         todo = [(a, b) for a, b in border.tolist()]
         found: dict[tuple[int, int, int], None] = {}
+        inside = set(todo)
         outside = {(b, a) for a, b in todo}
         while todo:
             a, b = todo.pop()
@@ -145,8 +147,8 @@ class _Flips:
                 continue
             found[triangle] = None
             for p, q in ((a, b), (b, c), (c, a)):
-                if (min(p, q), max(p, q)) not in fixed:
-                    todo.append((q, p))
-                elif (p, q) in outside:
+                if (p, q) in outside:
                     raise TriangulationError(f"the border edge of points {p} and {q} has the region on its wrong side")
+                if (p, q) not in inside:
+                    todo.append((q, p))
         return indices(list(found)).reshape(-1, 3)

@@ -10,11 +10,12 @@ import numpy as np
 from garmentcad.arrays import frozen
 from garmentcad.errors import InputError, SpecError, did_you_mean
 from garmentcad.pattern.darts import add_notches, cut_darts
-from garmentcad.pattern.fold import draft_folds
+from garmentcad.pattern.fold import cut_at_folds, draft_folds
 from garmentcad.pattern.hardware import draft_hardware
 from garmentcad.pattern.mirror import mirrored_panel, unfold
 from garmentcad.pattern.outline import draft_loop, finish_loop, is_counter_clockwise, reverse_edge
 from garmentcad.pattern.pattern import Edge, EdgeUse, Panel, Pattern, Seam, Transform, Wrap
+from garmentcad.pattern.pleats import cut_pleats, pleat_seam
 from garmentcad.pattern.region import draft_regions
 from garmentcad.pattern.runs import draft_seam
 from garmentcad.pattern.scope import Scope, make_scope
@@ -93,6 +94,7 @@ def _draft_panel(name: str, spec: PanelSpec, scope: Scope) -> Panel:
         for point in (f"{dart.name}_a", f"{dart.name}_apex", f"{dart.name}_b"):
             if point in points:
                 raise SpecError(f"the dart makes a point {point!r}, and the panel has one of that name; rename one", key=f"{key}.darts.{k}.name")
+    edges, laid = cut_pleats(edges, spec.pleats, backward, points, scope, f"{key}.pleats")
     points |= {edge.start: edge.curve.start for edge in edges}
     holes: list[tuple[Edge, ...]] = []
     for k, specs in enumerate(spec.cutouts):
@@ -117,12 +119,12 @@ def _draft_panel(name: str, spec: PanelSpec, scope: Scope) -> Panel:
         quantity=spec.quantity,
         holes=tuple(holes),
         regions=draft_regions(spec, edges, scope, key),
-        folds=draft_folds(spec, lines, scope, key),
+        folds=(*draft_folds(spec, lines, scope, key), *laid),
         internal_lines=lines,
         drill_holes={hole: scope.point(pair, f"{key}.drill_holes.{hole}") for hole, pair in spec.drill_holes.items()},
         points=points,
     )
-    return panel if spec.mirror is None else unfold(panel, spec.mirror, f"{key}.mirror")
+    return cut_at_folds(panel if spec.mirror is None else unfold(panel, spec.mirror, f"{key}.mirror"))
 
 
 def _check_source(spec: GarmentSpec, name: str, image: MirroredPanelSpec) -> None:
@@ -167,10 +169,11 @@ def _placement(spec: PlacementSpec, scope: Scope, key: str) -> Wrap | Transform:
 
 
 def _dart_seams(panel: Panel) -> list[Seam]:
-    """One seam for each dart, called panel.dart: the leg toward the apex meets the leg from it, mouth to mouth."""
+    """One seam for each dart and pleat, called panel.dart: the leg toward the apex meets the leg from it, mouth to mouth."""
     seams = []
     for k, edge in enumerate(panel.edges):
         after = (k + 1) % len(panel.edges)
         if edge.dart is not None and panel.edges[after].dart == edge.dart:
-            seams.append(Seam(f"{panel.name}.{edge.dart}", (EdgeUse(panel.name, k, False),), (EdgeUse(panel.name, after, True),)))
+            seam = Seam(f"{panel.name}.{edge.dart}", (EdgeUse(panel.name, k, False),), (EdgeUse(panel.name, after, True),))
+            seams.append(pleat_seam(seam, panel))
     return seams

@@ -1,46 +1,108 @@
-"""Fold lines and knife pleats of a panel, from its internal lines."""
+"""Fold lines of a panel, from its internal lines, and the points in which they meet the outline."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
+from scipy.optimize import brentq
 
 from garmentcad.errors import SpecError, did_you_mean
-from garmentcad.pattern.pattern import FoldLine
+from garmentcad.geometry.curve import Curve
+from garmentcad.pattern.outline import finish_loop
+from garmentcad.pattern.pattern import Edge, FoldLine, Panel
 from garmentcad.pattern.scope import Scope
-from garmentcad.pattern.spec import FoldSpec, PanelSpec, PleatSpec
+from garmentcad.pattern.spec import PanelSpec, Pressed
 
-FOLD, UNDER = "_fold", "_under"  # what a pleat appends to its name for its two folds
+_SAME_MM = 0.01
+_SAMPLES = 64  # of an edge, between which it meets a line at most once
 
 
 def draft_folds(spec: PanelSpec, lines: Mapping[str, np.ndarray], scope: Scope, key: str) -> tuple[FoldLine, ...]:
-    """Folds of a panel; a pleat is two, called NAME_fold and NAME_under. SpecError: unknown line, a line without length, a name twice."""
+    """Folds of a panel. SpecError: unknown line, a line without length, a name twice."""
     found: list[FoldLine] = []
-
-    def add(name: str, line: str, angle: float, drawn: FoldSpec | PleatSpec, where: str, line_key: str) -> None:
-        if line not in lines:
-            raise SpecError(f"no internal line is called {line!r}{did_you_mean(line, lines)}", key=f"{where}.{line_key}")
-        points = lines[line]
-        if not np.any(points != points[:1]):
-            raise SpecError(f"internal line {line!r} has no length; a fold runs along a line", key=f"{where}.{line_key}")
-        if any(fold.name == name for fold in found):
-            raise SpecError(f"a second fold is called {name!r}; names of folds and pleats differ within a panel", key=f"{where}.name")
-        strength = scope.number(drawn.strength, f"{where}.strength", 0.1, 100.0)
-        found.append(FoldLine(name, points, angle, strength, _share(drawn, scope, f"{where}.pressed")))
-
     for k, fold in enumerate(spec.folds):
         where = f"{key}.folds.{k}"
-        add(fold.name, fold.line, scope.number(fold.angle, f"{where}.angle", -180.0, 180.0), fold, where, "line")
-    for k, pleat in enumerate(spec.pleats):
-        where = f"{key}.pleats.{k}"
-        angle = scope.number(pleat.angle, f"{where}.angle", 0.0, 180.0)
-        add(pleat.name + FOLD, pleat.fold, -angle, pleat, where, "fold")
-        add(pleat.name + UNDER, pleat.under, angle, pleat, where, "under")
+        if fold.line not in lines:
+            raise SpecError(f"no internal line is called {fold.line!r}{did_you_mean(fold.line, lines)}", key=f"{where}.line")
+        points = lines[fold.line]
+        if not np.any(points != points[:1]):
+            raise SpecError(f"internal line {fold.line!r} has no length; a fold runs along a line", key=f"{where}.line")
+        if any(other.name == fold.name for other in found):
+            raise SpecError(f"a second fold is called {fold.name!r}; names of folds and pleats differ within a panel", key=f"{where}.name")
+        angle = scope.number(fold.angle, f"{where}.angle", -180.0, 180.0)
+        found.append(FoldLine(fold.name, points, angle, draft_strength(fold.strength, scope, where), draft_share(fold.pressed, scope, where)))
     return tuple(found)
 
 
-def _share(drawn: FoldSpec | PleatSpec, scope: Scope, key: str) -> float | None:
-    if isinstance(drawn.pressed, bool):
-        return None if drawn.pressed else 0.0
-    return scope.number(drawn.pressed, key, 0.0, 1.0)
+def draft_strength(strength: float | str, scope: Scope, key: str) -> float:
+    """Factor on the bending stiffness over a fold."""
+    return scope.number(strength, f"{key}.strength", 0.1, 100.0)
+
+
+def draft_share(pressed: Pressed, scope: Scope, key: str) -> float | None:
+    """Share of the angle that stays; None: as the fibre lets stay."""
+    if isinstance(pressed, bool):
+        return None if pressed else 0.0
+    return scope.number(pressed, f"{key}.pressed", 0.0, 1.0)
+
+
+def cut_at_folds(panel: Panel) -> Panel:
+    """The panel with its edges, those of cutouts too, cut where folds meet them: a particle lies there. The new points are called FOLD_1, FOLD_2, ..."""
+    taken = set(panel.points)
+    loops = [[part for edge in loop for part in _cut_edge(edge, panel.folds, taken)] for loop in (panel.edges, *panel.holes)]
+    if not panel.folds or sum(map(len, loops)) == sum(len(loop) for loop in (panel.edges, *panel.holes)):
+        return panel
+    outline, *holes = (finish_loop(loop) for loop in loops)
+    points = panel.points | {edge.start: edge.curve.start for loop in (outline, *holes) for edge in loop}
+    return replace(panel, edges=outline, holes=tuple(holes), points=points)
+
+
+def _cut_edge(edge: Edge, folds: Sequence[FoldLine], taken: set[str]) -> list[Edge]:
+    """The pieces of an edge; names of new points are added to `taken`."""
+    found: list[tuple[float, str]] = []
+    length = edge.curve.length
+    for fold in folds:
+        for a, b in pairwise(fold.points_mm):
+            for at in meeting(edge.curve, a, b):
+                if all(abs(at - other) * length > _SAME_MM for other in (0.0, 1.0, *(done for done, _ in found))):
+                    number = 1
+                    while (name := f"{fold.name}_{number}") in taken:
+                        number += 1
+                    taken.add(name)
+                    found.append((at, name))
+    return cut_edge(edge, sorted(found))
+
+
+def cut_edge(edge: Edge, cuts: Sequence[tuple[float, str]]) -> list[Edge]:
+    """The pieces of an edge between `cuts`: rising arc-length fractions inside (0, 1), and the names of the points there."""
+    if not cuts:
+        return [edge]
+    bounds = [(0.0, edge.start), *cuts, (1.0, edge.end)]
+    pieces = []
+    for k, ((a, start), (b, end), curve) in enumerate(zip(bounds, bounds[1:], edge.curve.split([at for at, _ in cuts]))):
+        mine = [(name, at) for name, at in edge.notches if a <= at < b or (at == 1.0 and k == len(cuts))]
+        pieces.append(replace(edge, start=start, end=end, curve=curve, notches=tuple((name, (at - a) / (b - a)) for name, at in mine)))
+    return pieces
+
+
+def meeting(curve: Curve, a: np.ndarray, b: np.ndarray) -> list[float]:
+    """Arc-length fractions at which a curve meets the straight line from a to b, which goes on by a hundredth of a millimetre at either end."""
+    along = (b - a) / max(float(np.hypot(*(b - a))), 1e-12)
+
+    def beside(at: float) -> float:
+        x, y = curve.points_at(at)[0] - a
+        return float(along[0] * y - along[1] * x)
+
+    samples = np.linspace(0.0, 1.0, _SAMPLES + 1)
+    x, y = (curve.points_at(samples) - a).T
+    side = along[0] * y - along[1] * x
+    if np.all(np.abs(side) < _SAME_MM):
+        return []  # it runs along the line
+    found = [float(at) for at in samples[side == 0.0]]
+    found += [float(brentq(beside, samples[k], samples[k + 1])) for k in range(_SAMPLES) if side[k] * side[k + 1] < 0.0]
+    reach = (np.array([curve.points_at(at)[0] for at in found]).reshape(-1, 2) - a) @ along
+    return sorted(at for at, way in zip(found, reach) if -_SAME_MM <= way <= math.dist(a, b) + _SAME_MM)

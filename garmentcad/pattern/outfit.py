@@ -66,7 +66,8 @@ def put_on(name: str, patterns: Sequence[Pattern], mannequin: str) -> Pattern:
             panels[own] = replace(panel, name=own, placement=rule, fabric=panel.fabric or pattern.fabric, layer=layer)
         for seam in pattern.seams:
             a, b = (tuple(_moved(pattern, use) for use in side) for side in (seam.a, seam.b))
-            seams.append(replace(seam, name=_named(pattern, seam.name), a=a, b=b))
+            tack = seam.tack and _moved(pattern, seam.tack)
+            seams.append(replace(seam, name=_named(pattern, seam.name), a=a, b=b, tack=tack))
         pins += [replace(pin, name=_named(pattern, pin.name), at=_moved(pattern, pin.at)) for pin in pattern.pins]
         for button in pattern.buttons:
             buttons.append(Button(_named(pattern, button.name), _moved(pattern, button.button), _moved(pattern, button.buttonhole)))

@@ -43,7 +43,8 @@ class FoldLine:
     """A line along which a panel is folded when it is pressed.
 
     angle_deg: 0 is flat, 180 laid on itself, positive brings the right sides together. strength: factor on the bending stiffness over the fold.
-    pressed: share of the angle that stays, 0 for a fold that is not pressed, None for the share of the fabric's fibre.
+    pressed: share of the angle that stays, 0 for a fold that is not pressed, None for the share of the fabric's fibre. laid: a fold of a pleat, a straight line
+    across the whole panel, at which the panel is folded onto itself before it is sewn; the angle says which way.
     """
 
     name: str
@@ -51,6 +52,7 @@ class FoldLine:
     angle_deg: float
     strength: float = 1.0
     pressed: float | None = None
+    laid: bool = False
 
 
 @dataclass(frozen=True)
@@ -120,7 +122,8 @@ class EdgeUse:
 @dataclass(frozen=True)
 class Seam:
     """Side a is sewn to side b, the first point of a to the first of b. ease: length of a over length of b minus 1, as intended.
-    closed: part of a zip that is closed, from the first points on; None for a seam. order: it is sewn when all seams of a lower order are closed."""
+    closed: part of a zip that is closed, from the first points on; None for a seam. order: it is sewn when all seams of a lower order are closed. tack: of a
+    pleat, the edge piece to whose start, along the outline, the last point of both sides is sewn."""
 
     name: str
     a: tuple[EdgeUse, ...]
@@ -131,6 +134,7 @@ class Seam:
     strength_n_m: float | None = None
     closed: float | None = None
     order: int = 1
+    tack: EdgeUse | None = None
 
 
 @dataclass(frozen=True)

@@ -208,12 +208,19 @@ class FoldSpec(Model):
     pressed: Pressed = True
 
 
-class PleatSpec(Model):
-    """A knife pleat: folded wrong sides together along `fold`, which is seen, and right sides together along `under`, which lies behind it."""
+class PleatsSpec(Model):
+    """Knife pleats, folded from a straight edge square into the panel and caught in the seam of that edge.
+
+    at: where the first shows its fold; depth: from there on to where it turns back, so that it takes up twice as much of the edge; count of them, every so many
+    mm of the edge. With `from` the other end of the edge they are laid the other way.
+    """
 
     name: Name
-    fold: Name
-    under: Name
+    edge: Name
+    at: Distance
+    depth: Number
+    count: Number = 1
+    every: Number | None = None
     angle: Number = 170.0
     strength: Number = 1.0
     pressed: Pressed = True
@@ -264,7 +271,7 @@ class PanelSpec(Model):
     darts: list[DartSpec] = []
     internal_lines: dict[Name, list[PointSpec]] = {}
     folds: list[FoldSpec] = []
-    pleats: list[PleatSpec] = []
+    pleats: list[PleatsSpec] = []
     drill_holes: dict[Name, PointSpec] = {}
     cutouts: list[list[EdgeSpec]] = []
     regions: list[RegionSpec] = []

@@ -8,6 +8,7 @@ from garmentcad.cloth.cloth import Cloth
 from garmentcad.errors import SpecError
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.pattern import Pattern, Transform
+from garmentcad.placement.pleats import folded
 from garmentcad.placement.wrap import transform_points, wrap_points
 
 
@@ -15,13 +16,14 @@ def place_vertices(pattern: Pattern, cloth: Cloth, mannequin: Mannequin) -> np.n
     """World positions (V,3) in m of all cloth vertices, not yet sewn. SpecError where a rule names a body part that the mannequin lacks."""
     positions = np.empty((len(cloth.vertex_uv_mm), 3))
     for index, name in enumerate(cloth.panel_names):
-        rule = pattern.panels[name].placement
-        chosen = cloth.vertex_panel == index
+        panel = pattern.panels[name]
+        rule, chosen = panel.placement, cloth.vertex_panel == index
+        uv_mm, lift_mm = folded(panel, cloth.vertex_uv_mm[chosen])
         if isinstance(rule, Transform):
-            positions[chosen] = transform_points(cloth.vertex_uv_mm[chosen], rule)
+            positions[chosen] = transform_points(uv_mm, rule, lift_mm)
             continue
         if rule.part not in mannequin.cylinders:
             message = f"mannequin {mannequin.name} has no part '{rule.part}'; allowed: {', '.join(mannequin.cylinders)}"
             raise SpecError(message, key=f"panels.{name}.placement.wrap.part")
-        positions[chosen] = wrap_points(cloth.vertex_uv_mm[chosen], rule, mannequin.cylinders[rule.part])
+        positions[chosen] = wrap_points(uv_mm, rule, mannequin.cylinders[rule.part], lift_mm)
     return positions

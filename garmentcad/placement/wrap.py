@@ -11,22 +11,22 @@ from garmentcad.units import MM_TO_M
 _TURN_STEPS = 7200  # parameter steps of one turn of the ellipse; the arc-length table is then good to 1e-7 of the girth
 
 
-def wrap_points(uv_mm: np.ndarray, wrap: Wrap, cylinder: ArrangementCylinder) -> np.ndarray:
-    """Points (N,2) of a panel in mm to world points (N,3) in m, by the rule `wrap` on `cylinder` (see `Wrap`)."""
+def wrap_points(uv_mm: np.ndarray, wrap: Wrap, cylinder: ArrangementCylinder, lift_mm: np.ndarray | float = 0.0) -> np.ndarray:
+    """Points (N,2) of a panel in mm to world points (N,3) in m, by the rule `wrap` on `cylinder` (see `Wrap`). lift_mm (N,): how much farther out."""
     turn = np.deg2rad(wrap.turn_deg)
     rotation = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
     local = (uv_mm - np.asarray(wrap.anchor_mm)) @ rotation.T * MM_TO_M
     radius_ref = (cylinder.radius_ref + wrap.offset_mm * MM_TO_M) * wrap.scale
     radius_side = (cylinder.radius_side + wrap.offset_mm * MM_TO_M) * wrap.scale
-    height = wrap.height_mm * MM_TO_M
+    height, lift = wrap.height_mm * MM_TO_M, np.asarray(lift_mm) * MM_TO_M
     if wrap.flare_deg != 0.0:
         angle, along, radius = _on_cone(local, np.deg2rad(wrap.angle_deg), height, 0.5 * (radius_ref + radius_side), np.deg2rad(wrap.flare_deg))
-        ref_part, side_part = radius * np.cos(angle), radius * np.sin(angle)
+        ref_part, side_part = (radius + lift) * np.cos(angle), (radius + lift) * np.sin(angle)
     else:
         start, growth = np.deg2rad(wrap.angle_deg), wrap.spiral_mm * MM_TO_M / (2.0 * np.pi)
         angle = _angle_at_arc_length(local[:, 0], start, radius_ref, radius_side, growth)
         along = height + local[:, 1]
-        grown = growth * (angle - start)
+        grown = growth * (angle - start) + lift
         ref_part, side_part = (radius_ref + grown) * np.cos(angle), (radius_side + grown) * np.sin(angle)
     side = np.cross(cylinder.up, cylinder.ref)
     return cylinder.origin + along[:, None] * cylinder.up + ref_part[:, None] * cylinder.ref + side_part[:, None] * side
@@ -55,7 +55,7 @@ def _angle_at_arc_length(arc: np.ndarray, start: float, radius_ref: float, radiu
     return np.interp(arc, walked - walked[turns * _TURN_STEPS], parameter)
 
 
-def transform_points(uv_mm: np.ndarray, transform: Transform) -> np.ndarray:
-    """Points (N,2) of a panel in mm to world points (N,3) in m: x = Rz Ry Rx (u, v, 0) + t."""
-    flat = np.column_stack([uv_mm, np.zeros(len(uv_mm))])
+def transform_points(uv_mm: np.ndarray, transform: Transform, lift_mm: np.ndarray | float = 0.0) -> np.ndarray:
+    """Points (N,2) of a panel in mm to world points (N,3) in m: x = Rz Ry Rx (u, v, lift) + t."""
+    flat = np.column_stack([uv_mm, np.broadcast_to(lift_mm, len(uv_mm))])
     return (flat @ transform.matrix.T + np.asarray(transform.translation_mm)) * MM_TO_M

@@ -12,8 +12,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from garmentcad.arrays import floats
 from garmentcad.cloth.cloth import Cloth
-from garmentcad.cloth.folds import strengthened
 from garmentcad.cloth.state import State
 from garmentcad.fabric.pressing import pressed_share
 from garmentcad.simulation.course import CLOSING_DRAG, SPEED_CAP_M_S, Progress, advance_or_retreat
@@ -27,13 +27,19 @@ STILL_M_S = 0.02  # RMS speed at which the cloth lies as it is pressed
 
 def under_iron(cloth: Cloth) -> Cloth:
     """The cloth while it is pressed."""
-    bends, twist_area = strengthened(cloth.folds, np.full(len(cloth.fold_names), IRON), cloth.bends, cloth.cells.twist_area)
-    return replace(cloth, bends=bends, cells=cloth.cells._replace(twist_area=twist_area))
+    hinges = cloth.hinges
+    return replace(cloth, hinges=hinges._replace(factor=floats(np.where(hinges.fold >= 0, IRON, 1.0) * hinges.factor)))
 
 
 def imposed_angles(job: Job) -> np.ndarray:
     """(F,) rad, to which the iron lays each fold of the cloth."""
     return np.radians([fold.angle_deg for panel in job.pattern.panels.values() for fold in panel.folds])
+
+
+def laid_angles(job: Job) -> np.ndarray:
+    """(F,) rad, of the folds while seams are sewn: pleats are laid before, other folds are flat."""
+    laid = [fold.laid for panel in job.pattern.panels.values() for fold in panel.folds]
+    return np.where(laid, imposed_angles(job), 0.0)
 
 
 def shares(job: Job) -> np.ndarray:

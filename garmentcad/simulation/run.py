@@ -38,7 +38,7 @@ from garmentcad.simulation.checkpoint import load_state, save_state
 from garmentcad.simulation.course import SOFTNESS, Course, Progress
 from garmentcad.simulation.job import Job
 from garmentcad.simulation.materials import lay_out
-from garmentcad.simulation.pressing import imposed_angles, press, under_iron
+from garmentcad.simulation.pressing import imposed_angles, laid_angles, press, under_iron
 from garmentcad.simulation.refine import refined, refined_sliders
 from garmentcad.simulation.sewing import Welding, close_seams, hold, weld_state
 from garmentcad.simulation.start import refuse_tangled
@@ -193,7 +193,7 @@ class _Run:
 
     def _sew(self, flat: Cloth, start: Cloth, welded: Cloth, particle_map: np.ndarray) -> Outcome | None:
         """Close and weld the seams that are open at the start; an outcome only where that failed."""
-        dynamics, _ = make_dynamics(self.job, start, self._for_sewing(), np.zeros(len(flat.fold_names)), dressing=True)
+        dynamics, _ = make_dynamics(self.job, start, self._for_sewing(), laid_angles(self.job), dressing=True)
         if self.state is None:
             self.state = _placed_state(self.job, flat, start, self._worn(flat), self.warnings)
             if flat.spacing == MM_TO_M * self.job.grid_mm:

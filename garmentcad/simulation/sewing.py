@@ -12,6 +12,7 @@ from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.state import State
 from garmentcad.constraints.points import ConstraintPoints, PointRows, joined_rows, stitch_rows
 from garmentcad.simulation.course import (
+    CAUGHT_M,
     CLOSED_M,
     CLOSING_CAP_S,
     CLOSING_DOUBLES_S,
@@ -88,12 +89,13 @@ def _close(dynamics: Dynamics, state: State, hardware: PointRows, chosen: np.nda
     rows = joined_rows(stitch_rows(cloth.stitches[chosen], names), hardware)
     dynamics.constraint = ConstraintPoints(rows, dynamics.inverse_masses, CLOSING_RATE, pull, CLOSING_LEAST_M_S, nodes)
     _make_room(state, rows)
+    enough = np.where(cloth.seam_bend_factor[cloth.stitch_seam[chosen]] > 0.0, CLOSED_M, CAUGHT_M)  # the depth of a pleat gets no hinge
     dynamics.equalise, dynamics.drag = True, CLOSING_DRAG
     dynamics.speed_cap_m_s = SPEED_CAP_M_S
     while True:
         gaps, speeds = dynamics.constraint_errors(state)
         look(Progress(state.phase, state.step, state.time_s, float(gaps.max(initial=0.0)) * 1e3, None, dynamics.measures(state)[2], None))
-        closed = gaps[:sewn].max(initial=0.0) < CLOSED_M and gaps[sewn:].max(initial=0.0) < HELD_M
+        closed = bool(np.all(gaps[:sewn] < enough)) and gaps[sewn:].max(initial=0.0) < HELD_M
         if closed or state.time_s - since >= CLOSING_CAP_S:
             break
         dynamics.constraint.least_speed = least_closing_speed(state.time_s - since)
