@@ -31,6 +31,7 @@ study: $(VENV)/.installed
 	$(BIN)/python -m tools.garment_test_study
 	$(BIN)/python -m tools.wardrobe_study
 	$(BIN)/python -m tools.passport_study
+	$(BIN)/python -m tools.drape_study
 	$(BIN)/python -m tools.fuzz_study
 
 bench: $(VENV)/.installed

@@ -64,3 +64,10 @@ def test_a_drape_at_rest_stays_in_true_motion_and_when_it_is_taken_over() -> Non
 def test_an_unknown_drapemeter_is_refused_with_those_that_there_are() -> None:
     with pytest.raises(InputError, match=r"18/24, 18/30, 18/36, 12\.7/25\.4"):
         Drapemeter(ELASTIC, GRID_MM, "20/30")
+
+
+def test_bending_begins_at_the_disc_whatever_the_lattice() -> None:
+    """Twice the spacing moves DC of a stiff cotton by 2.4 points; where bend lines out of the clamp have the length of the lattice, by 12."""
+    materials = sheet_materials(load_fabric(fabric_path("cotton-broad")).sheet)
+    coarse, fine = (Drapemeter(materials, grid_mm).lay(0).dc_percent for grid_mm in (GRID_MM, 0.5 * GRID_MM))
+    assert coarse == pytest.approx(fine, abs=4.0)

@@ -1,14 +1,15 @@
 """Cusick drapemeter: a round specimen hangs over a smaller round disc; its shadow gives the drape coefficient.
 
-The cloth is clamped between two discs, as in the tester: particles up to CLAMPED spacings outside the disc are held, because bending begins at the last
-held row, half a spacing before it. It is laid flat with a small random waviness (the lay), falls and settles as a garment does.
+The cloth is clamped between two discs, as in the tester: particles up to CLAMPED spacings outside the disc are held, and a bend line that leads out of the
+clamp stands for the cloth between the disc's edge and the middle of its outer arm, wherever its particle lies. It is laid flat with a small random waviness
+(the lay), falls and settles as a garment does.
 """
 
 from __future__ import annotations
 
 import math
 from copy import deepcopy
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -32,6 +33,7 @@ from garmentcad.solve.strain_limit import strain_limit
 from garmentcad.units import M_TO_MM, MM_TO_M
 
 CLAMPED = 0.75
+LEAST_FREE, MOST_FREE = 0.25, 1.5  # of the mean arm
 WAVINESS_MM = 0.5  # greatest height of a lay
 WAVES = 12  # of the waviness around the specimen
 LAYS = 5
@@ -74,6 +76,7 @@ class Drapemeter:
         self._place = MM_TO_M * self.cloth.vertex_uv_mm
         self._clamp = 0.5 * self.geometry.disc_mm * MM_TO_M + CLAMPED * self.cloth.spacing
         self._fixed = np.linalg.norm(self._place, axis=1) <= self._clamp
+        self.cloth = _clamped(self.cloth, self._fixed, 0.5 * self.geometry.disc_mm * MM_TO_M)
 
     def lay(self, seed: int, step_factor: float = 1.0) -> Drape:
         """Lay it down and let it fall. seed: of the lay; the same seed gives the same waviness on any lattice. step_factor: multiplies the time step."""
@@ -127,6 +130,31 @@ def _disc(radius_mm: float) -> Panel:
     right, left = (radius_mm, 0.0), (-radius_mm, 0.0)
     edges = (Edge("upper", "right", "left", Arc(right, left, (0.0, 0.0), False)), Edge("lower", "left", "right", Arc(left, right, (0.0, 0.0), False)))
     return Panel("specimen", edges, 0.0, Transform((0.0, 0.0, 0.0), (0.0, 0.0, 0.0)))
+
+
+def _clamped(cloth: Cloth, fixed: np.ndarray, radius: float) -> Cloth:
+    """The cloth whose bend lines out of the clamp are as long as what is free of them: from the disc of this radius [m] to the middle of the outer arm.
+
+    Which particles are held is a matter of the lattice; where bending begins is not.
+    """
+    bends = cloth.bends
+    place = MM_TO_M * cloth.vertex_uv_mm
+    ends = [
+        (1.0 - weight)[:, None] * place[arm[:, 0]] + weight[:, None] * place[arm[:, 1]]
+        for arm, weight in ((bends.arm_a, bends.weight_a), (bends.arm_b, bends.weight_b))
+    ]
+    held = [fixed[arm].all(axis=1) for arm in (bends.arm_a, bends.arm_b)]
+    width = bends.width.copy()
+    for outer, inner, length in ((0, 1, bends.length_a), (1, 0, bends.length_b)):
+        out = np.flatnonzero(fixed[bends.center] & held[inner] & ~held[outer])
+        start = place[bends.center[out]]
+        way = (ends[outer][out] - start) / length[out, None]
+        along = np.sum(start * way, axis=1)
+        inside = along**2 - np.sum(start**2, axis=1) + radius**2
+        arm = 0.5 * (bends.length_a + bends.length_b)[out]
+        free = np.where(inside > 0.0, along - np.sqrt(np.maximum(inside, 0.0)) + 0.5 * length[out], arm)
+        width[out] *= arm / np.clip(free, LEAST_FREE * arm, MOST_FREE * arm)
+    return replace(cloth, bends=bends._replace(width=width))
 
 
 def _waviness(place: np.ndarray, held: float, seed: int) -> np.ndarray:
