@@ -10,17 +10,18 @@ from test_shipped_patterns import edge_length, polygon, side_ends, side_length
 
 from garmentcad.check.examine import examine
 from garmentcad.io.mannequin_file import read_mannequin
-from garmentcad.io.shipped import shipped_file
+from garmentcad.io.shipped import shipped_folder
 from garmentcad.io.spec_file import read_spec
 from garmentcad.pattern.draft import draft
 from garmentcad.pattern.pattern import Pattern
 
+SHIRT = shipped_folder("patterns") / "unfinished" / "mens-shirt.yaml"
 MEN = ("man-84", "man-92", "man-100", "man-116", "man-120")
 
 
 def drafted(body: str) -> tuple[Pattern, dict[str, float]]:
     given = read_mannequin(body).measurements_mm
-    return draft(read_spec(shipped_file("patterns", "mens-shirt")), given), given
+    return draft(read_spec(SHIRT), given), given
 
 
 @pytest.mark.parametrize("body", MEN)
@@ -81,4 +82,4 @@ def test_buttons_lie_on_the_centre_of_both_fronts() -> None:
 
 @pytest.mark.parametrize("body", ["man-92", "man-100", "man-116"])
 def test_the_doctor_finds_nothing(body: str) -> None:
-    assert [str(finding) for finding in examine(shipped_file("patterns", "mens-shirt"), body, 15.0)] == []
+    assert [str(finding) for finding in examine(SHIRT, body, 15.0)] == []
