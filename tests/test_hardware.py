@@ -284,7 +284,7 @@ def test_a_belt_has_one_tension_all_around() -> None:
     outcome = draped(job(closed(belts=[{"name": "belt", "along": along, "length": length, "stiffness": stiffness}])))
     told, _ = record(outcome)
     assert told.status == "converged"
-    assert told.bands["belt"]["tension_n"] == told.bands["belt"]["max_tension_n"]
+    assert told.bands["belt"]["tension_n"] == pytest.approx(told.bands["belt"]["max_tension_n"], rel=1e-12)  # a mean of equal numbers, and one of them
     assert told.bands["belt"]["tension_n"] == pytest.approx(stiffness * (2000.0 * math.pi * (RADIUS + 1.4e-3) / length - 1.0), rel=0.03)
 
 

@@ -187,11 +187,11 @@ def test_body_carries_the_weight_of_a_hanging_skirt() -> None:
     radius = 2e-3 * half / math.pi
     body = ball(0.12, 1.0)
     start = by_particle(cloth, np.column_stack([radius * np.sin(angle), 0.87 + 0.9e-3 * v, radius * np.cos(angle)]))
-    skirt = Rest(cloth, materials, start, 1.2, 6.0, body=body)
+    skirt = Rest(cloth, materials, start, 3.0, 6.0, body=body)
     worn = on_body(cloth, materials, body, skirt.positions, skirt.forces)
     weight = GRAVITY_M_S2 * float(cloth.masses.sum())
     support = worn.pressure.support_n(weight)
-    assert support["normal"] + support["friction"] == pytest.approx(weight, rel=0.01)
+    assert support["normal"] + support["friction"] == pytest.approx(weight, rel=1e-3)
     assert np.linalg.norm(worn.pressure.friction_n, axis=1).sum() > 0.05 * weight  # it takes part, whichever way it points
     assert 0.05 < worn.pressure.in_contact.mean() < 0.8
     cone = np.linalg.norm(worn.pressure.friction_n, axis=1) - MU * np.linalg.norm(worn.pressure.normal_n, axis=1)
