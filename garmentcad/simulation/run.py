@@ -39,7 +39,7 @@ from garmentcad.simulation.course import SOFTNESS, Course, Progress
 from garmentcad.simulation.job import Job
 from garmentcad.simulation.materials import lay_out
 from garmentcad.simulation.pressing import imposed_angles, laid_angles, press, under_iron
-from garmentcad.simulation.refine import refined, refined_sliders
+from garmentcad.simulation.refine import off_body, refined, refined_sliders
 from garmentcad.simulation.sewing import Welding, close_seams, hold, weld_state
 from garmentcad.simulation.start import refuse_tangled
 from garmentcad.solve.dynamics import DivergedError, Dynamics, IntersectingError
@@ -271,6 +271,7 @@ def _refined_state(before: tuple[Cloth, ForceAssembly], state: State, after: tup
     coarse, fine = before[0], after[0]
     both = refined(coarse, np.hstack([state.positions, state.velocities]), fine)
     positions, velocities = np.ascontiguousarray(both[:, :3]), np.ascontiguousarray(both[:, 3:])
+    positions = off_body(positions, fine.particle_triangles, mannequin.vertices, mannequin.faces, fine.spacing)
     crossings = len(crossing_triangle_pairs(positions, fine.particle_triangles))
     crossings += len(crossing_triangle_pairs_between(positions, fine.particle_triangles, mannequin.vertices, mannequin.faces))
     if crossings:
