@@ -8,7 +8,7 @@ from force_checks import balance_error, gradient_error, stiffness_over_bound
 from small_cloth import KINDS, deformed, flat, materials, small_cloth
 
 from garmentcad.forces.force import NO_PARTICLE
-from garmentcad.forces.internal import internal_forces
+from garmentcad.forces.internal import BINS, dealt, internal_forces
 from garmentcad.forces.lattice import ForceLattice
 from garmentcad.forces.time_step import highest_frequency
 
@@ -56,3 +56,18 @@ def test_damping_ratio_of_the_highest_mode() -> None:
         used = force.corners != NO_PARTICLE
         np.add.at(stiffness, force.corners[used], corner_stiffness[used])
     assert 0.5 * tau.pop() * highest_frequency(stiffness, CLOTH.masses) == pytest.approx(0.15, rel=1e-6)
+
+
+@pytest.mark.parametrize("blocks", [1, 5, 6, 11, 40])
+def test_two_and_four_threads_get_about_the_same_work(blocks: int) -> None:
+    """A few large blocks among many small parts, as garments have them: all parts once, and shares that differ by no more than a part could mend."""
+    rng = np.random.default_rng(blocks)
+    work = np.concatenate([rng.uniform(25.0, 35.0, blocks), rng.uniform(1.0, 3.0, 30)])
+    bins = dealt(work)
+    assert len(bins) == BINS
+    assert sorted(part for one in bins for part in one) == list(range(len(work)))
+    load = np.array([work[one].sum() for one in bins])
+    halves = load.reshape(2, -1).sum(axis=1)
+    assert abs(halves[0] - halves[1]) <= (work.max() if blocks == 1 else work[blocks:].max())
+    for pair in load.reshape(2, 2, -1).sum(axis=2):
+        assert abs(pair[0] - pair[1]) <= work.max()
