@@ -33,6 +33,10 @@ def test_sphere_section_is_a_circle(height: float) -> None:
         assert chains[0].length() == pytest.approx(expected.length, rel=1e-9)
     assert chains[0].winds_around(np.zeros(3), horizontal(height))
     assert not chains[0].winds_around(np.array([2.0, 0.0, 0.0]), horizontal(height))
+    assert chains[0].span_around(np.zeros(3), horizontal(height)) > math.radians(350.0)
+    for behind in (2.0, -2.0):  # seen from outside between two tangents, also where angles jump from 180 to -180 degrees
+        seen = chains[0].span_around(np.array([behind, 0.0, 0.0]), horizontal(height))
+        assert seen == pytest.approx(2.0 * math.asin(math.sqrt(1.0 - height**2) / 2.0), rel=1e-3)
 
 
 def test_oblique_plane_agrees_with_trimesh() -> None:

@@ -11,7 +11,7 @@ from test_lattice import one_material, two_panels
 from garmentcad.cloth.lattice import build_cloth
 from garmentcad.cloth.state import State
 from garmentcad.cloth.weld import weld
-from garmentcad.constraints.points import stitch_rows
+from garmentcad.constraints.points import PointRows, rows_without, stitch_rows
 from garmentcad.contact.contact import Contact
 from garmentcad.errors import TangledError
 from garmentcad.forces.assembly import ForceAssembly
@@ -19,7 +19,7 @@ from garmentcad.forces.internal import internal_forces
 from garmentcad.io.mannequin_file import read_mannequin
 from garmentcad.pattern.pattern import EdgeUse, Seam
 from garmentcad.simulation.course import Progress
-from garmentcad.simulation.sewing import Welding, close_seams, weld_state
+from garmentcad.simulation.sewing import Welding, close_seams, first_orders, weld_state, widest_closed_gap
 from garmentcad.simulation.start import refuse_tangled
 from garmentcad.solve.dynamics import Dynamics
 from garmentcad.solve.strain_limit import strain_limit
@@ -95,20 +95,28 @@ def test_a_seam_that_is_turned_back_is_pulled_faster_and_faster_until_it_closes(
     assert 0.6 < state.time_s < 1.5
 
 
-def test_seams_of_a_higher_order_wait_until_those_before_them_are_closed() -> None:
-    """Three squares in a row: the third lies as it was placed until the first two are one, and these stay so while it comes."""
+def three_squares(height_mm: float = 0.0) -> tuple[Dynamics, State]:
+    """a, b and c in a row: a is sewn to b, then b to c, which lies `height_mm` higher and reaches over b by 20 mm where that is not 0."""
     materials = linear_fabric()
     seams = tuple(
         Seam(name, (EdgeUse(one, 1, False),), (EdgeUse(other, 3, True),), order=order)
         for name, one, other, order in (("late", "b", "c", 2), ("early", "a", "b", 1))
     )
     cloth = build_cloth(pattern(*(rectangle(60, 60, name=name) for name in "abc"), seams=seams), one_material, materials, 20.0)
-    positions = 1e-3 * np.column_stack([cloth.vertex_uv_mm + np.column_stack([70.0 * cloth.vertex_panel, 0.0 * cloth.vertex_panel]), 0.0 * cloth.vertex_panel])
+    third = (cloth.vertex_panel == 2) * (height_mm != 0.0)
+    positions = 1e-3 * np.column_stack([cloth.vertex_uv_mm + np.column_stack([70.0 * cloth.vertex_panel - 30.0 * third, 0.0 * third]), height_mm * third])
     dynamics = Dynamics(
         cloth, ForceAssembly(internal_forces(cloth, materials), cloth.particle_count, []), strain_limit(cloth, materials), Contact(cloth, materials)
     )
-    state = State(positions.copy(), np.zeros_like(positions), phase="close")
+    state = State(positions, np.zeros_like(positions), phase="close")
     dynamics.start(state)
+    return dynamics, state
+
+
+def test_seams_of_a_higher_order_wait_until_those_before_them_are_closed() -> None:
+    """Three squares in a row: the third lies as it was placed until the first two are one, and these stay so while it comes."""
+    dynamics, state = three_squares()
+    cloth, positions = dynamics.cloth, state.positions.copy()
     third, seen = cloth.vertex_particle[cloth.vertex_panel == 2], []
 
     def look(progress: Progress) -> None:
@@ -124,3 +132,41 @@ def test_seams_of_a_higher_order_wait_until_those_before_them_are_closed() -> No
     assert late[waiting][-1] > 0.01, "the second seam opens wider while the first one pulls its panel away"
     assert early[waiting][-1] < 1e-4
     assert early[~waiting].max() < 2e-4
+
+
+def test_a_panel_that_waits_for_its_seam_is_not_knocked_about() -> None:
+    """The third square lies 2 mm over the second one and 20 mm across it, and these rise to meet it: it stays where it is to the last bit, and the second one
+    below it."""
+    dynamics, state = three_squares(2.0)
+    cloth, third, heights = dynamics.cloth, dynamics.cloth.vertex_particle[dynamics.cloth.vertex_panel == 2], []
+    state.velocities[cloth.vertex_particle[cloth.vertex_panel != 2], 2] = 0.1
+    waiting = state.positions[third].copy()
+    below = np.intersect1d(cloth.vertex_particle[cloth.vertex_panel == 1], np.flatnonzero(state.positions[:, 0] > 0.129))  # its seam to the third
+
+    def look(progress: Progress) -> None:
+        if state.run["sewing_order"] == 1.0:
+            assert state.positions[third].tobytes() == waiting.tobytes()
+            heights.append(float(state.positions[below, 2].max()))
+
+    welding = close_seams(dynamics, state, NO_HARDWARE, look)
+    assert max(heights) == pytest.approx(1e-3, abs=1e-4), "a gap of 1 mm below"
+    assert max(welding.gap_mm.values()) < 0.1
+    assert np.linalg.norm(state.positions[third] - waiting, axis=1).min() > 1e-3, "its turn came"
+    assert not dynamics.fixed.any()
+
+
+def test_a_panel_waits_for_the_first_of_its_seams_and_holds_its_buttons_back() -> None:
+    dynamics, _ = three_squares()
+    cloth = dynamics.cloth
+    orders = first_orders(cloth)
+    assert [set(orders[cloth.vertex_particle[cloth.vertex_panel == panel]]) for panel in range(3)] == [{1.0}, {1.0}, {2.0}]
+    alone = np.array([int(np.argmax(cloth.vertex_panel == panel)) for panel in range(3)])
+    rows = PointRows.plain(np.array([0, 1, 1, 2]), np.append(alone, 10**6)[[0, 1, 2, 3]], np.ones(4), np.arange(9.0).reshape(3, 3), ("hook", "button", "body"))
+    kept = rows_without(rows, orders > 1.0)
+    assert (kept.names, kept.row.tolist(), kept.particle.tolist()) == (("hook", "body"), [0, 1], [alone[0], 10**6])
+    assert kept.targets.tolist() == rows.targets[[0, 2]].tolist()
+
+
+def test_layers_that_hold_a_seam_apart_are_welded_with_it_late() -> None:
+    assert [widest_closed_gap(time_s) for time_s in (0.0, 1.0, 1.2, 1.4)] == pytest.approx([1e-4, 1e-4, 2e-4, 4e-4])
+    assert widest_closed_gap(3.0) == pytest.approx(1e-3), "no wider than what is a closed seam"

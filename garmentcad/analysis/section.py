@@ -57,16 +57,24 @@ class Chain:
         """Length of that line."""
         return float(np.linalg.norm(self.steps_on(corner_uv), axis=1).sum())
 
+    def span_around(self, center: np.ndarray, plane: Plane) -> float:
+        """Angle about the line through `center` (3,) along the plane's normal, rad, within which the whole chain lies."""
+        angle = np.sort(self._angles(center, plane))
+        return 2.0 * math.pi - float(np.diff(np.append(angle, angle[0] + 2.0 * math.pi)).max())
+
     def winds_around(self, center: np.ndarray, plane: Plane) -> bool:
         """Whether a closed chain goes around the line through `center` (3,) along the plane's normal."""
         if not self.closed:
             return False
+        angle = self._angles(center, plane)
+        turn = np.diff(np.append(angle, angle[0]))
+        return abs(float(((turn + math.pi) % (2.0 * math.pi) - math.pi).sum())) > math.pi
+
+    def _angles(self, center: np.ndarray, plane: Plane) -> np.ndarray:
         side = np.cross(plane.normal, [1.0, 0.0, 0.0] if abs(plane.normal[0]) < 0.9 else [0.0, 0.0, 1.0])
         side /= math.sqrt(float(side @ side))
         other = np.cross(plane.normal, side)
-        angle = np.arctan2((self.points - center) @ other, (self.points - center) @ side)
-        turn = np.diff(np.append(angle, angle[0]))
-        return abs(float(((turn + math.pi) % (2.0 * math.pi) - math.pi).sum())) > math.pi
+        return np.arctan2((self.points - center) @ other, (self.points - center) @ side)
 
 
 def cut(positions: np.ndarray, triangles: np.ndarray, plane: Plane) -> list[Chain]:

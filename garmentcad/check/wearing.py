@@ -30,6 +30,7 @@ _SLACK_M = 0.045  # a ring may come to lie higher or lower on the body than it w
 _ANGLES = 90  # directions between warp and weft that are told apart
 _ABOVE_ANKLE_M, _NECK_M, _BELOW_NECK_M = 0.02, 0.10, 0.15  # below the neck lies a neckline
 _LEAST_MM = 3.0
+_LEAST_SPAN = np.radians(60.0)  # around a limb; the girth of a wrist, laid on the cylinder of its arm, spans 105 degrees
 
 
 @dataclass(frozen=True)
@@ -138,8 +139,11 @@ def _rings(pattern: Pattern, cloth: Cloth, positions: np.ndarray, part: _Part) -
         return np.asarray(part.origin + (level - part.origin @ part.axis) * part.axis)
 
     def around(chain: Chain, plane: Plane) -> bool:
-        """A narrow cuff is laid as less than half a turn, since panels are wrapped unstretched: on a limb it counts that all of a ring is wrapped there."""
-        return chain.closed and ((limb and bool(wrapped[chain.triangles].all())) or chain.winds_around(center(plane.offset), plane))
+        """A narrow cuff is laid as less than half a turn, since panels are wrapped unstretched: on a limb it counts that all of a ring is wrapped there.
+        Not so the little loops where a hem lies over the cuff to which it is sewn."""
+        if not chain.closed or chain.winds_around(center(plane.offset), plane):
+            return chain.closed
+        return limb and bool(wrapped[chain.triangles].all()) and chain.span_around(center(plane.offset), plane) > _LEAST_SPAN
 
     for level in part.levels.tolist():
         plane = Plane(part.axis, level)

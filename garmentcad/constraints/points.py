@@ -65,6 +65,17 @@ def joined_rows(first: PointRows, second: PointRows) -> PointRows:
     )
 
 
+def rows_without(rows: PointRows, particles: np.ndarray) -> PointRows:
+    """The rows that act on none of the `particles` (P,) bool."""
+    bound = rows.particle < len(particles)  # the rest are a body's nodes
+    touched = np.zeros(len(rows.targets), dtype=bool)
+    touched[rows.row[bound][particles[rows.particle[bound]]]] = True
+    kept, entries = np.flatnonzero(~touched), ~touched[rows.row]
+    number = np.cumsum(~touched) - 1
+    names = tuple(rows.names[k] for k in kept)
+    return PointRows(number[rows.row[entries]], rows.particle[entries], rows.weight[entries], rows.targets[kept], names, rows.shank[kept], rows.normal_of[kept])
+
+
 def stitch_rows(stitches: np.ndarray, names: tuple[str, ...]) -> PointRows:
     """Rows that bring the two particles of each stitch (S,2) together."""
     count = len(stitches)

@@ -1,5 +1,5 @@
 """Sewing: stitches close by dynamic constraints, without gravity and gently, order after order, and are then welded; pins and buttons close with the first
-ones, and stay."""
+ones, and stay. A panel that none of the seams of its turn has reached is held still."""
 
 from __future__ import annotations
 
@@ -10,9 +10,11 @@ import numpy as np
 
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.state import State
-from garmentcad.constraints.points import ConstraintPoints, PointRows, joined_rows, stitch_rows
+from garmentcad.constraints.points import ConstraintPoints, PointRows, joined_rows, rows_without, stitch_rows
 from garmentcad.simulation.course import (
     CAUGHT_M,
+    CLOSED_DOUBLES_S,
+    CLOSED_LATE_S,
     CLOSED_M,
     CLOSING_CAP_S,
     CLOSING_DOUBLES_S,
@@ -70,15 +72,28 @@ class Welding:
 
 def close_seams(dynamics: Dynamics, state: State, hardware: PointRows, look: Callable[[Progress], None]) -> Welding:
     """Pull the stitches of `dynamics.cloth` (without gravity), and what pins and buttons hold, together until every gap is closed or the cap is reached:
-    first those of the lowest order, which then hold while the next ones close. What is not yet sewn lies free."""
+    first those of the lowest order, which then hold while the next ones close. A panel whose first seam has not come yet is held where it was placed, and with
+    it the pins and buttons on it: what closes before would knock it about."""
     cloth = dynamics.cloth
     order = cloth.seam_order[cloth.stitch_seam]
+    turns = first_orders(cloth)
     began = state.run.get(_ORDER, 0.0)
     for now in np.unique(order[order >= began]).tolist() or [began]:
         if state.run.get(_ORDER) != now:
             state.run |= {_ORDER: float(now), _FROM: state.time_s}
-        welding = _close(dynamics, state, hardware, np.flatnonzero(order <= now), look)
+        waiting = turns > now
+        dynamics.hold_still(waiting)
+        welding = _close(dynamics, state, rows_without(hardware, waiting), np.flatnonzero(order <= now), look)
     return welding
+
+
+def first_orders(cloth: Cloth) -> np.ndarray:
+    """Order (P,) of the first seam of the panel of each particle, 0 where its panel has none that is still open."""
+    panel_of = np.zeros(cloth.particle_count, dtype=np.int32)
+    panel_of[cloth.vertex_particle] = cloth.vertex_panel
+    orders = np.full(len(cloth.panel_names), np.inf)
+    np.minimum.at(orders, panel_of[cloth.stitches], cloth.seam_order[cloth.stitch_seam][:, None])
+    return np.where(np.isinf(orders), 0.0, orders)[panel_of]
 
 
 def _close(dynamics: Dynamics, state: State, hardware: PointRows, chosen: np.ndarray, look: Callable[[Progress], None]) -> Welding:
@@ -89,13 +104,13 @@ def _close(dynamics: Dynamics, state: State, hardware: PointRows, chosen: np.nda
     rows = joined_rows(stitch_rows(cloth.stitches[chosen], names), hardware)
     dynamics.constraint = ConstraintPoints(rows, dynamics.inverse_masses, CLOSING_RATE, pull, CLOSING_LEAST_M_S, nodes)
     _make_room(state, rows)
-    enough = np.where(cloth.seam_bend_factor[cloth.stitch_seam[chosen]] > 0.0, CLOSED_M, CAUGHT_M)  # the depth of a pleat gets no hinge
+    caught = np.where(cloth.seam_bend_factor[cloth.stitch_seam[chosen]] > 0.0, 0.0, CAUGHT_M)  # the depth of a pleat gets no hinge
     dynamics.equalise, dynamics.drag = True, CLOSING_DRAG
     dynamics.speed_cap_m_s = SPEED_CAP_M_S
     while True:
         gaps, speeds = dynamics.constraint_errors(state)
         look(Progress(state.phase, state.step, state.time_s, float(gaps.max(initial=0.0)) * 1e3, None, dynamics.measures(state)[2], None))
-        closed = bool(np.all(gaps[:sewn] < enough)) and gaps[sewn:].max(initial=0.0) < HELD_M
+        closed = bool(np.all(gaps[:sewn] < np.maximum(caught, widest_closed_gap(state.time_s - since)))) and gaps[sewn:].max(initial=0.0) < HELD_M
         if closed or state.time_s - since >= CLOSING_CAP_S:
             break
         dynamics.constraint.least_speed = least_closing_speed(state.time_s - since)
@@ -123,6 +138,11 @@ def _make_room(state: State, rows: PointRows) -> None:
 def least_closing_speed(time_s: float) -> float:
     """Floor of the closing speed, m/s, after `time_s` of sewing."""
     return float(min(CLOSING_LEAST_M_S * 2.0 ** max(0.0, (time_s - CLOSING_LATE_S) / CLOSING_DOUBLES_S), SPEED_CAP_M_S))
+
+
+def widest_closed_gap(time_s: float) -> float:
+    """Gap below which a seam is closed, m, after `time_s` of sewing."""
+    return float(min(CLOSED_M * 2.0 ** max(0.0, (time_s - CLOSED_LATE_S) / CLOSED_DOUBLES_S), 1e-3 * WIDEST_WELD_MM))
 
 
 def weld_state(cloth: Cloth, welded: Cloth, particle_map: np.ndarray, state: State) -> State:

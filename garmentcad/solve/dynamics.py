@@ -74,7 +74,6 @@ class Dynamics:
 
     def __init__(self, cloth: Cloth, forces: ForceAssembly, limit: StrainLimit, contact: Contact, fixed: np.ndarray | None = None) -> None:
         self.cloth, self.forces, self.limit, self.contact = cloth, forces, limit, contact
-        self.fixed = np.zeros(cloth.particle_count, dtype=bool) if fixed is None else fixed
         self.equalise = self.steady = False
         self.drag: float | np.ndarray = 0.0
         self._drag = np.zeros(cloth.particle_count)
@@ -88,8 +87,13 @@ class Dynamics:
         self._masses = floats(cloth.masses)
         self.cut_steps = 0
         self._cuts = 0
+        self.hold_still(np.zeros(cloth.particle_count, dtype=bool) if fixed is None else fixed)
+
+    def hold_still(self, fixed: np.ndarray) -> None:
+        """From now on the particles `fixed` (P,) bool do not move, and no others are kept from it."""
+        self.fixed = fixed
         self._estimated_at: np.ndarray | None = None
-        self.true_inverse_masses = np.where(self.fixed, 0.0, 1.0 / cloth.masses)
+        self.true_inverse_masses = np.where(fixed, 0.0, 1.0 / self.cloth.masses)
         self.set_inverse_masses(self.true_inverse_masses)
 
     def set_inverse_masses(self, inverse_masses: np.ndarray) -> None:
