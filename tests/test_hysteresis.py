@@ -19,11 +19,12 @@ from garmentcad.cloth.state import State
 from garmentcad.contact.contact import Contact
 from garmentcad.fabric.law_bending import STICK
 from garmentcad.fabric.law_shear import stick_way
-from garmentcad.fabric.material import MaterialTable
+from garmentcad.fabric.material import MaterialTable, softened
 from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
 from garmentcad.simulation.checkpoint import load_state, save_state
+from garmentcad.simulation.course import Course
 from garmentcad.solve.dynamics import Dynamics
 from garmentcad.solve.strain_limit import strain_limit
 from garmentcad.units import GRAVITY_M_S2
@@ -219,6 +220,25 @@ def falling(steps: int, tmp: Path | None = None) -> State:
         dynamics = moving(cloth, materials, positions[:, 0] < 0.006, drag=2.0)
     dynamics.advance(state, steps - steps // 2)
     return state
+
+
+def test_drape_mode_leaves_no_trace_of_its_softness() -> None:
+    """A strip of 300 mm under ten times its weight, at rest after the soft fall: long by W g L^2/(2 Y), as cloth that was loaded once; what comes back from a
+    larger strain would be longer by half; what swings while it settles leaves a few percent."""
+    materials, gravity = fabric(), 10.0 * GRAVITY_M_S2
+    cloth = rectangle_cloth(60.0, 300.0, 20.0, 0.0, materials)
+    start = np.column_stack([cloth.vertex_uv_mm * 1e-3, np.zeros(cloth.particle_count)])
+    dynamics = moving(cloth, materials, start[:, 1] > 0.2999, gravity)
+
+    def forces_at(softness: float) -> ForceAssembly:
+        return ForceAssembly(internal_forces(cloth, softened(materials, softness)), cloth.particle_count, [ForceGravity(cloth.masses, gravity)])
+
+    state = State(start.copy(), np.zeros_like(start), phase="fall", run={"phase_from_s": 0.0})
+    dynamics.start(state)
+    assert Course(dynamics, forces_at, "drape", 20.0).run(state, lambda progress: None) == "converged"
+    bottom = start[:, 1] < 1e-4
+    longer = float((start[bottom, 1] - state.positions[bottom, 1]).mean())
+    assert longer == pytest.approx(MASS * gravity * 0.3**2 / (2.0 * 600.0), rel=0.05)
 
 
 def test_resumed_in_the_same_bits(tmp_path: Path) -> None:

@@ -45,7 +45,9 @@ def test_neckband_and_sleeve(body: str) -> None:
     by_hand = top / (1.0 - math.cos(slope)) * slope + points["armhole_top"][1] - points["armhole_low"][1] + 0.5 * math.pi * low
     assert armholes[0] == pytest.approx(by_hand)
     bicep = sleeve.points["underarm_back"][0] - sleeve.points["underarm_front"][0]
-    assert -0.1 < bicep / given["top_arm"] - 1.0 < 0.2
+    angle = math.radians(54.0)
+    assert bicep == pytest.approx(2.0 * armholes[0] * (0.7 * math.sin(angle) / angle + 0.3 * math.cos(angle)))
+    assert 0.0 < bicep / given["top_arm"] - 1.0 < 0.3
     assert edge_length(sleeve, "hem") == pytest.approx(given["top_arm"])
 
 

@@ -121,8 +121,13 @@ def material_table(rows: Sequence[MaterialRow]) -> MaterialTable:
 
 
 def softened(materials: MaterialTable, softness: float) -> MaterialTable:
-    """The same with tension, and the friction of shear, divided by `softness`: what is stiff in the plane, and decides the time step. Strains mean the same."""
+    """The same with tension, and the friction of shear, divided by `softness`: what is stiff in the plane, and decides the time step. Strains mean the same.
+
+    Tension has no friction while it is softer than the cloth's: it strains too far then, and friction would keep some of that.
+    """
     parts = {name: getattr(materials, name) / softness for name in ("tension_force", "tension_slope", "shear_friction")}
+    if softness != 1.0:
+        parts["tension_friction"] = 0.0 * materials.tension_friction
     return materials._replace(**parts)
 
 

@@ -65,6 +65,12 @@ class ForceAssembly:
         gauges = {force.name: force.gauge(positions) for force in self.forces}
         return {name: gauge.strain - share * gauge.way for name, gauge in gauges.items()}
 
+    def slacken(self, sliders: dict[str, np.ndarray], positions: np.ndarray, curves: Sequence[int]) -> None:
+        """Set the sliders of some curves, in place, to those of cloth that was never strained; positions (P,3)."""
+        for force in self.forces:
+            chosen = np.isin(force.gauge(positions).curve, curves)
+            sliders[force.name][chosen] = force.slack()[chosen]
+
     def add_up(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray, sliders: dict[str, np.ndarray] | None = None) -> None:
         """Total force on each particle [N] into out (P,3), from positions [m] and velocities [m/s], both (P,3). sliders: moved in place; None: `slack`."""
         held = self.slack() if sliders is None else sliders

@@ -28,6 +28,7 @@ class Gauge(NamedTuple):
 
 
 CURVES = ("weft tension", "warp tension", "shear", "twist", "weft bending", "warp bending", "seam bending")
+TENSION = (0, 1)  # of them
 
 
 class Force(Protocol):

@@ -11,6 +11,7 @@ import numpy as np
 
 from garmentcad.cloth.state import State
 from garmentcad.forces.assembly import ForceAssembly
+from garmentcad.forces.force import TENSION
 from garmentcad.solve.dynamics import STEPS_PER_ESTIMATE, DivergedError, Dynamics
 from garmentcad.solve.rest import PATCH_RESIDUAL_G, RESIDUAL_G, Residual, mean_over, patches, residual
 from garmentcad.units import GRAVITY_M_S2
@@ -34,6 +35,9 @@ COARSE_FALL_S = 1.0  # of it on coarse lattices; small folds form on the fine on
 # While seams close and cloth falls, tension is softened: the time step grows by the root of it, and the shape that counts is found afterwards at
 # true stiffness.
 SOFTNESS = 8.0
+# Cloth that nothing is sewn to may be softer yet, so that folds pass each other until few and deep ones are left. A garment may not: what holds it up, bands
+# and tight seams, would give way, and come back late.
+LOOSE_SOFTNESS = 64.0
 # The last part of the fall brings tension back little by little, because a sudden jump would turn the strain of soft cloth into speed.
 STIFFEN_S = 0.3
 # No part of a garment that is being dressed goes faster than this; what a weld or a snap sets free would. At a step of 0.1 ms it is 1 % of 10 mm.
@@ -90,12 +94,21 @@ class Course:
     """Runs the phases after sewing on welded cloth, and looks every STEPS_PER_LOOK steps. All that decides lies in `state`: a resumed run decides alike.
 
     forces_at(softness): the forces with tension divided by softness. max_time_s: cap on simulated time.
-    last: whether this is the lattice of the job; on a coarser one the course is over when most of the fall is.
+    softness: of the fall in mode 'drape'. last: whether this is the lattice of the job; on a coarser one the course is over when most of the fall is.
     mode: 'drape' (equalised masses, damping of fall and settle) or 'dynamics' (true masses, light damping).
     """
 
-    def __init__(self, dynamics: Dynamics, forces_at: Callable[[float], ForceAssembly], mode: str, max_time_s: float, last: bool = True) -> None:
+    def __init__(
+        self,
+        dynamics: Dynamics,
+        forces_at: Callable[[float], ForceAssembly],
+        mode: str,
+        max_time_s: float,
+        softness: float = SOFTNESS,
+        last: bool = True,
+    ) -> None:
         self.dynamics, self.forces_at, self.mode, self.max_time_s, self.is_last = dynamics, forces_at, mode, max_time_s, last
+        self._softness = softness
         self._patch = patches(dynamics.cloth)
         self.last: Residual | None = None
 
@@ -123,7 +136,7 @@ class Course:
         softness = 1.0
         if self.mode == "drape" and state.phase == "fall":
             left = max(0.0, FALL_S - (state.time_s - state.run["phase_from_s"]))
-            softness = float(SOFTNESS ** min(1.0, left / STIFFEN_S))
+            softness = float(self._softness ** min(1.0, left / STIFFEN_S))
         if softness != dynamics.softness:
             dynamics.forces, dynamics.softness = self.forces_at(softness), softness
         drags: dict[str, float | np.ndarray] = {"fall": FALL_DRAG, "settle": state.contact.get("settle_drag", SETTLE_DRAG), "watch": WATCH_DRAG}
@@ -142,6 +155,9 @@ class Course:
             if not self.is_last and state.time_s - state.run["phase_from_s"] >= COARSE_FALL_S:
                 state.phase = "rest"
             elif state.time_s - state.run["phase_from_s"] >= FALL_S:
+                if self.mode == "drape":
+                    # From here on the cloth is loaded as if it had not been soft: the strain of that, and its way back, leave no trace in its friction.
+                    self.dynamics.forces.slacken(state.friction, state.positions, TENSION)
                 self._enter(state, "settle")
         elif state.phase == "settle":
             left = self.last = residual(self.dynamics, state, self._patch)

@@ -35,7 +35,7 @@ from garmentcad.pattern.outfit import below
 from garmentcad.pattern.pattern import Panel
 from garmentcad.placement.place import place_vertices
 from garmentcad.simulation.checkpoint import load_state, save_state
-from garmentcad.simulation.course import SOFTNESS, Course, Progress
+from garmentcad.simulation.course import LOOSE_SOFTNESS, SOFTNESS, Course, Progress
 from garmentcad.simulation.job import Job
 from garmentcad.simulation.materials import lay_out
 from garmentcad.simulation.pressing import imposed_angles, laid_angles, press, under_iron
@@ -170,7 +170,8 @@ class _Run:
                 dynamics.start(self.state)
             self._begin(dynamics)
             last = level == len(grids) - 1
-            course = Course(dynamics, forces_at, self.job.mode, self.job.max_time_s, last)
+            softness = SOFTNESS if self.job.pattern.seams else LOOSE_SOFTNESS
+            course = Course(dynamics, forces_at, self.job.mode, self.job.max_time_s, softness, last)
             try:
                 status = course.run(self.state, self.keep)
             except (DivergedError, IntersectingError) as error:
