@@ -22,7 +22,7 @@ from garmentcad.fabric.sheet import KesSheet, KesValue, sheet_sha256
 from garmentcad.io.atomic import write_atomic
 from garmentcad.io.fabric_file import fabric_names, fabric_path, load_fabric
 from garmentcad.io.kes_csv import read_kes_csv
-from garmentcad.rigs.cusick import USUAL, Drape, Drapemeter
+from garmentcad.rigs.cusick import PROCEDURE, USUAL, Drape, Drapemeter
 from garmentcad.rigs.kes import sheet_materials
 from garmentcad.simulation.study import Row, StudyCase, run_study
 from tools.study import FOLDER
@@ -41,8 +41,12 @@ MEASURED = {
 KNOWN = ("W", "T0", "B.mean", "2HB.mean")  # what the sheets of these four hold; all else is by the rules for missing values
 SHEARS = (0.3, 1.0, 3.0)  # gf/(cm.deg), beside the rule's
 DISCS = ("12.7/25.4", "18/30")
+FOUR_AT_MM = {"measured": GRID_MM, "measured-fine": FINE_MM}  # parts of these four
 SYNTHETIC_W = 15.0  # mg/cm2
-SYNTHETIC = ((0.003, 0.06), (0.006, 0.1), (0.012, 0.16), (0.025, 0.25), (0.05, 0.4), (0.1, 0.63), (0.2, 1.0), (0.4, 1.6), (0.8, 2.5))  # B, G: G as B^(2/3)
+SYNTHETIC = (
+    (0.0008, 0.025), (0.0015, 0.04), (0.003, 0.06), (0.006, 0.1), (0.012, 0.16), (0.025, 0.25), (0.05, 0.4), (0.1, 0.63), (0.2, 1.0), (0.28, 1.25),
+    (0.4, 1.6), (0.8, 2.5),
+)  # fmt: skip  # B, G: G as B^(2/3)
 COMPARED = (
     "polyester-faille",
     "cotton-voile",
@@ -75,18 +79,19 @@ def sheets() -> dict[str, KesSheet]:
 
 
 def study_cases(known: Mapping[str, KesSheet]) -> list[StudyCase]:
-    """One case a lay. It belongs to its sheet and its law values."""
+    """One case a lay. It belongs to its sheet, its law values and what is done to the specimen."""
 
     def case(part: str, name: str, lay: int, words: str = "", **parameters: Any) -> StudyCase:
         sheet = known[name]
         law = hashlib.sha256(json.dumps(dict(sheet.law.values) if sheet.law else {}, sort_keys=True).encode()).hexdigest()
         full = " ".join(filter(None, (part, name, words, f"lay {lay}")))
-        return StudyCase(full, sheet_sha256(sheet), name, "", __version__, {"part": part, "law_sha256": law, "lay": lay, **parameters})
+        return StudyCase(full, sheet_sha256(sheet), name, "", __version__, {"part": part, "procedure": PROCEDURE, "law_sha256": law, "lay": lay, **parameters})
 
     found = []
     for lay in range(GRID_LAYS):
         if lay < LAYS:
-            found += [case("measured", name, lay, disc, geometry=disc) for name in known if name.startswith("MAT15") for disc in DISCS]
+            for part in FOUR_AT_MM:
+                found += [case(part, name, lay, disc, geometry=disc) for name in known if name.startswith("MAT15") for disc in DISCS]
             found += [case("nodes", name, lay) for name in known if name.startswith("synthetic")]
             found += [case("shipped", name, lay) for name in fabric_names()]
         found += [case("grid", name, lay) for name in COMPARED]
@@ -112,12 +117,12 @@ def figures(drape: Drape) -> dict[str, Any]:
 
 
 def run_case(case: StudyCase, materials: MaterialTable) -> Mapping[str, Any]:
-    """Figures of one lay at 10 mm, and of what the part compares it with."""
+    """Figures of one lay, and of what the part compares it with."""
     began = time.perf_counter()
     part, lay = case.parameters["part"], case.parameters["lay"]
     if part == "elastic":
         materials = without_friction(materials)
-    meter = Drapemeter(materials, GRID_MM, case.parameters.get("geometry", USUAL))
+    meter = Drapemeter(materials, FOUR_AT_MM.get(part, GRID_MM), case.parameters.get("geometry", USUAL))
     drape = meter.lay(lay)
     row = figures(drape)
     if part == "grid":
@@ -137,15 +142,19 @@ def page(rows: Iterable[Row]) -> str:
     """The page of the study."""
     parts: dict[str, dict[str, list[Row]]] = {}
     for row in rows:
-        name = row["fabric"] if row["part"] != "measured" else f"{row['fabric']}, {row['geometry']}"
+        name = row["fabric"] if row["part"] not in FOUR_AT_MM else f"{row['fabric']}, {row['geometry']}"
         parts.setdefault(row["part"], {}).setdefault(name, []).append(row)
     lines = [
         "# Drapemeter", "",
         f"Cusick's drapemeter at {GRID_MM:g} mm, disc and specimen {USUAL} cm where nothing else stands; lays differ by a random waviness of at most "
-        "0.5 mm. DC in percent of the ring, nodes as maxima of the rim that stand out by 3 mm; means, and the standard deviation (SD) over lays.", "",
+        f"0.5 mm, and are {PROCEDURE} ([rigs.md](../rigs.md)). DC in percent of the ring, nodes as maxima of the rim that stand out by 3 mm; means, and the "
+        "standard deviation (SD) over lays.", "",
         f"Made by `{COMMAND}`.", "",
     ]  # fmt: skip
-    shown = {"measured": _measured, "nodes": _nodes, "shipped": _shipped, "grid": _grid, "origin": _origin, "step": _step}
+    for part, grid_mm in FOUR_AT_MM.items():
+        if part in parts:
+            lines += [*_measured(parts[part], grid_mm), ""]
+    shown = {"nodes": _nodes, "shipped": _shipped, "grid": _grid, "origin": _origin, "step": _step}
     for part, write in shown.items():
         if part in parts:
             lines += [*write(parts), ""]
@@ -176,11 +185,11 @@ def _table(*columns: str) -> list[str]:
     return ["| " + " | ".join(columns) + " |", "|" + "---|" * len(columns)]
 
 
-def _measured(parts: Mapping[str, Mapping[str, list[Row]]]) -> list[str]:
+def _measured(named: Mapping[str, list[Row]], grid_mm: float) -> list[str]:
     """Four fabrics whose drape was measured but neither their shear nor their disc."""
-    means = {name: float(_dc(rows).mean()) for name, rows in parts["measured"].items()}
+    means = {name: float(_dc(rows).mean()) for name, rows in named.items()}
     lines = [
-        "## Four measured fabrics", "",
+        f"## Four measured fabrics at {grid_mm:g} mm", "",
         "Matsudaira et al. 2015 print W, B, 2HB, DC and nodes; shear, tension and the disc are not known. All else by the rules for missing values "
         "(G rule: 0.03 W); 2HG = 2 degrees x G. Sheets without law values.", "", "DC mean (SD), nodes:", "",
         *_table("fabric", "measured", *(f"{disc}, G {shear}" for disc in DISCS for shear in ("rule", *(f"{shear:g}" for shear in SHEARS)))),
@@ -190,17 +199,17 @@ def _measured(parts: Mapping[str, Mapping[str, list[Row]]]) -> list[str]:
         cells, band = [], []
         for disc in DISCS:
             for shear in ("rule", *(f"{shear:g}" for shear in SHEARS)):
-                rows = parts["measured"].get(f"{fabric} G {shear}, {disc}")
+                rows = named.get(f"{fabric} G {shear}, {disc}")
                 cells.append("-" if rows is None else f"{_spread(_dc(rows))}, {_values(rows, 'nodes').mean():.0f}")
                 if rows is not None and shear != "rule":
                     band.append(means[f"{fabric} G {shear}, {disc}"])
         lines.append(f"| {words} | {dc:g}, {nodes} | " + " | ".join(cells) + " |")
         if len(band) == len(DISCS) * len(SHEARS):
             inside.append(f"{words} {min(band):.1f} to {max(band):.1f} ({'holds' if min(band) <= dc <= max(band) else 'does not hold'} {dc:g})")
-        missed = [f"{means[f'{fabric} G rule, {disc}'] - dc:+.1f} on {disc}" for disc in DISCS if f"{fabric} G rule, {disc}" in means]
-        misses.append(f"{words} {', '.join(missed)}")
+        if missed := [f"{means[f'{fabric} G rule, {disc}'] - dc:+.1f} on {disc}" for disc in DISCS if f"{fabric} G rule, {disc}" in means]:
+            misses.append(f"{words} {', '.join(missed)}")
     for disc in DISCS:
-        ranked = sorted(MEASURED, key=lambda fabric: -means.get(f"{fabric} G rule, {disc}", 0.0))
+        ranked = sorted((fabric for fabric in MEASURED if f"{fabric} G rule, {disc}" in means), key=lambda fabric: -means[f"{fabric} G rule, {disc}"])
         order.append(f"{disc}: " + " > ".join(MEASURED[fabric][0] for fabric in ranked))
     return [
         *lines, "",
@@ -214,7 +223,7 @@ def _nodes(parts: Mapping[str, Mapping[str, list[Row]]]) -> list[str]:
     """Synthetic sheets from limp to stiff."""
     lines = [
         "## Nodes over stiffness", "",
-        f"Synthetic sheets of {SYNTHETIC_W:g} mg/cm2 whose B doubles and whose G goes as B^(2/3); the rest by the rules. Without internal friction on the "
+        f"Synthetic sheets of {SYNTHETIC_W:g} mg/cm2 of rising B whose G goes as B^(2/3); the rest by the rules. Without internal friction on the "
         "right.", "",
         *_table("sheet", "DC (SD)", "nodes (SD)", "lowest mm", "elastic: DC (SD)", "nodes (SD)"),
     ]  # fmt: skip
@@ -254,7 +263,7 @@ def _origin(parts: Mapping[str, Mapping[str, list[Row]]]) -> list[str]:
     lines = [
         "## Lattice shifted", "",
         "By a part of a cell along and across. Taken over: each lay at rest settles on the shifted lattice; DC is to move by at most 1.5 points. Anew: the "
-        "same lays from flat, whose folds may form otherwise.", "",
+        "same lays from the start, whose folds may form otherwise.", "",
         *_table("fabric", "lays", "DC (SD)", *(f"{shift:g}, taken over: largest, mean" for shift in SHIFTS),
                 *(f"{shift:g}, anew: DC (SD)" for shift in SHIFTS)),
     ]  # fmt: skip

@@ -1,13 +1,16 @@
 """Cusick drapemeter: a round specimen hangs over a smaller round disc; its shadow gives the drape coefficient.
 
 The cloth is clamped between two discs, as in the tester: particles up to CLAMPED spacings outside the disc are held, and a bend line that leads out of the
-clamp stands for the cloth between the disc's edge and the middle of its outer arm, wherever its particle lies. It is laid flat with a small random waviness
-(the lay), falls and settles as a garment does.
+clamp stands for the cloth between the disc's edge and the middle of its outer arm, wherever its particle lies.
+
+It is laid flat with a small random waviness (the lay) and let down: its weight comes on little by little, as where a plate sinks away from under it. Then
+the disc is shaken up and down three times and the cloth is left to itself, and at last it settles as a garment does (docs/rigs.md).
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from copy import deepcopy
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -26,11 +29,11 @@ from garmentcad.forces.internal import internal_forces
 from garmentcad.geometry.curve import Arc
 from garmentcad.pattern.pattern import Edge, Panel, Transform
 from garmentcad.rigs.shadow import Shadow, cast_shadow, drape_coefficient
-from garmentcad.simulation.course import STEPS_PER_LOOK, Course
+from garmentcad.simulation.course import AIR_DRAG, FALL_DRAG, STEPS_PER_LOOK, Course, advance_or_retreat
 from garmentcad.simulation.refine import refined, refined_sliders
 from garmentcad.solve.dynamics import Dynamics
 from garmentcad.solve.strain_limit import strain_limit
-from garmentcad.units import M_TO_MM, MM_TO_M
+from garmentcad.units import GRAVITY_M_S2, M_TO_MM, MM_TO_M
 
 CLAMPED = 0.75
 LEAST_FREE, MOST_FREE = 0.25, 1.5  # of the mean arm
@@ -38,6 +41,11 @@ WAVINESS_MM = 0.5  # greatest height of a lay
 WAVES = 12  # of the waviness around the specimen
 LAYS = 5
 MAX_TIME_S = 20.0
+LOWERED_S = 1.5  # as long as a garment falls, three times the slowest swing of what hangs down
+# How fast and how far the disc is shaken is an estimate: 27 mm from top to bottom, so that the cloth always bears on it.
+SHAKES, SHAKEN_S, SHAKEN_G = 3, 1.0, 0.5
+LEFT_S = 0.5
+PROCEDURE = f"let down within {LOWERED_S:g} s, shaken {SHAKES} times within {SHAKEN_S:g} s at {SHAKEN_G:g} g, left alone for {LEFT_S:g} s, settled"
 
 
 class Geometry(NamedTuple):
@@ -49,6 +57,21 @@ class Geometry(NamedTuple):
 
 GEOMETRIES = {"18/24": Geometry(180.0, 240.0), "18/30": Geometry(180.0, 300.0), "18/36": Geometry(180.0, 360.0), "12.7/25.4": Geometry(127.0, 254.0)}
 USUAL = "18/30"
+
+
+class Handling(NamedTuple):
+    """A part of what is done to a specimen. load: weight over true weight, from the share of the part that is over."""
+
+    seconds: float
+    drag: float
+    load: Callable[[float], float]
+
+
+HANDLED = (
+    Handling(LOWERED_S, FALL_DRAG, lambda share: share),
+    Handling(SHAKEN_S, AIR_DRAG, lambda share: 1.0 + SHAKEN_G * math.sin(2.0 * math.pi * SHAKES * share)),
+    Handling(LEFT_S, AIR_DRAG, lambda share: 1.0),
+)
 
 
 @dataclass(frozen=True)
@@ -79,10 +102,12 @@ class Drapemeter:
         self.cloth = _clamped(self.cloth, self._fixed, 0.5 * self.geometry.disc_mm * MM_TO_M)
 
     def lay(self, seed: int, step_factor: float = 1.0) -> Drape:
-        """Lay it down and let it fall. seed: of the lay; the same seed gives the same waviness on any lattice. step_factor: multiplies the time step."""
+        """Lay it down, let it down, shake it. seed: of the lay; the same seed gives the same waviness on any lattice. step_factor: multiplies the time step."""
         positions = self._spread(_waviness(self._place, self._clamp, seed))
-        state = State(positions, np.zeros_like(positions), phase="fall", run={"phase_from_s": 0.0, "step_factor": step_factor})
-        return self._to_rest(state, MAX_TIME_S)
+        state = State(positions, np.zeros_like(positions), phase="fall", run={"step_factor": step_factor})
+        self._handle(state)
+        state.phase, state.run["phase_from_s"] = "settle", state.time_s
+        return self._to_rest(state, state.time_s + MAX_TIME_S)
 
     def taken_over(self, other: Drapemeter, drape: Drape) -> Drape:
         """A drape at rest on another lattice settles on this one."""
@@ -103,13 +128,24 @@ class Drapemeter:
             dynamics.advance(state, STEPS_PER_LOOK)
         return self._read(drape.status, state)
 
-    def _forces(self, softness: float) -> ForceAssembly:
-        laws = internal_forces(self.cloth, softened(self._materials, softness))
-        return ForceAssembly(laws, self.cloth.particle_count, [ForceGravity(self.cloth.masses)])
+    def _handle(self, state: State) -> None:
+        """Move `state` through HANDLED."""
+        weight = ForceGravity(self.cloth.masses)
+        dynamics = self._dynamics(state, weight)
+        dynamics.equalise = True
+        for part in HANDLED:
+            dynamics.drag, began = part.drag, state.time_s
+            while state.time_s < began + part.seconds:
+                weight.gravity = GRAVITY_M_S2 * part.load((state.time_s - began) / part.seconds)
+                advance_or_retreat(dynamics, state)
 
-    def _dynamics(self, state: State) -> Dynamics:
+    def _forces(self, softness: float, weight: ForceGravity | None = None) -> ForceAssembly:
+        laws = internal_forces(self.cloth, softened(self._materials, softness))
+        return ForceAssembly(laws, self.cloth.particle_count, [weight or ForceGravity(self.cloth.masses)])
+
+    def _dynamics(self, state: State, weight: ForceGravity | None = None) -> Dynamics:
         contact = Contact(self.cloth, self._materials)
-        dynamics = Dynamics(self.cloth, self._forces(1.0), strain_limit(self.cloth, self._materials), contact, fixed=self._fixed)
+        dynamics = Dynamics(self.cloth, self._forces(1.0, weight), strain_limit(self.cloth, self._materials), contact, fixed=self._fixed)
         dynamics.start(state)
         return dynamics
 
