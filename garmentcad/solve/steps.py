@@ -32,7 +32,7 @@ class Controls(NamedTuple):
 
     time_step: float  # s
     drag: np.ndarray  # (P,) 1/s
-    speed_cap: float  # m/s, forces make no particle faster
+    speed_cap: float  # m/s, a particle that is faster begins its step with this speed
     runaway: float  # m/s
     surge: float  # of the fastest speed before a response, up to which contact counts on it
 
@@ -49,12 +49,14 @@ def _advance_of(particles, sums, rates, drag, inverse_masses, velocities, out): 
         push, keep = time_step * inverse_masses[p], 1.0 - time_step * drag[p]
         if push == 0.0:
             keep = 1.0
-        x, y, z = keep * velocities[p, 0] + push * fx, keep * velocities[p, 1] + push * (fy - sums.weight[p]), keep * velocities[p, 2] + push * fz
+        x, y, z = velocities[p, 0], velocities[p, 1], velocities[p, 2]
         square = x * x + y * y + z * z
-        # not a number stays one: the comparison is false
-        share = cap / math.sqrt(square) if square > cap * cap else 1.0
-        velocities[p, 0], velocities[p, 1], velocities[p, 2] = share * x, share * y, share * z
-        square *= share * share
+        # What it has, not what this step's forces add: those that press on a body may be many times the weight, and contact takes all of them.
+        if square > cap * cap:
+            keep *= cap / math.sqrt(square)
+        x, y, z = keep * x + push * fx, keep * y + push * (fy - sums.weight[p]), keep * z + push * fz
+        velocities[p, 0], velocities[p, 1], velocities[p, 2] = x, y, z
+        square = x * x + y * y + z * z
         largest = max(largest, square) if square == square else math.inf
     out[0] = largest
 
