@@ -189,8 +189,8 @@ def test_the_speed_cap_holds_against_forces_and_keeps_their_direction() -> None:
 
 
 def test_the_speed_cap_takes_nothing_from_what_presses_on_a_body() -> None:
-    """A sheet with a fixed border, 3 mm over the tip of a cone: what tension adds in a step to the corners over the tip is above the cap, each by another factor,
-    and contact takes it all. At rest the forces of all corners balance, not the capped ones."""
+    """A sheet with a fixed border, 3 mm over the tip of a cone: what tension adds in a step to the corners over the tip is above the cap, each by another
+    factor, and contact takes it all. At rest the forces of all corners balance, not the capped ones."""
     materials = linear_fabric()
     cloth = rectangle_cloth(80.0, 80.0, 10.0, 0.0, materials)
     u, v = (cloth.vertex_uv_mm * 1e-3 - 0.04).T
