@@ -48,6 +48,7 @@ SYNTHETIC = (
     (0.4, 1.6), (0.8, 2.5),
 )  # fmt: skip  # B, G: G as B^(2/3)
 COMPARED = (
+    "viscose-lining",
     "polyester-faille",
     "cotton-voile",
     "wool-tropical",
@@ -210,13 +211,17 @@ def _measured(named: Mapping[str, list[Row]], grid_mm: float) -> list[str]:
             misses.append(f"{words} {', '.join(missed)}")
     for disc in DISCS:
         ranked = sorted((fabric for fabric in MEASURED if f"{fabric} G rule, {disc}" in means), key=lambda fabric: -means[f"{fabric} G rule, {disc}"])
-        order.append(f"{disc}: " + " > ".join(MEASURED[fabric][0] for fabric in ranked))
-    return [
-        *lines, "",
-        "Band that G from 0.3 to 3 and both discs span: " + "; ".join(inside) + ".", "",
-        "Misses of the rule's G, in points: " + "; ".join(misses) + ".", "",
-        "Order with the rule's G: " + "; ".join(order) + ".",
-    ]  # fmt: skip
+        if len(ranked) == len(MEASURED):
+            order.append(f"{disc}: " + " > ".join(MEASURED[fabric][0] for fabric in ranked))
+    said = {
+        "Band that G from 0.3 to 3 and both discs span": inside,
+        "Misses of the rule's G, in points": misses,
+        "Order with the rule's G": order,
+    }
+    for words, found in said.items():
+        if found:
+            lines += ["", f"{words}: " + "; ".join(found) + "."]
+    return lines
 
 
 def _nodes(parts: Mapping[str, Mapping[str, list[Row]]]) -> list[str]:
