@@ -1,4 +1,4 @@
-"""The men's shirt: fronts that button over each other, a yoke that reaches over the shoulders, a collar as long as the neckline."""
+"""The men's shirt: fronts that button over each other, a yoke that reaches over the shoulders, a collar as long as the neckline, cuffs."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from test_shipped_patterns import edge_length, polygon, side_ends, side_length
 
 from garmentcad.check.examine import examine
 from garmentcad.io.mannequin_file import read_mannequin
-from garmentcad.io.shipped import shipped_folder
+from garmentcad.io.shipped import shipped_file
 from garmentcad.io.spec_file import read_spec
 from garmentcad.pattern.draft import draft
 from garmentcad.pattern.pattern import Pattern
 
-SHIRT = shipped_folder("patterns") / "unfinished" / "mens-shirt.yaml"
+SHIRT = shipped_file("patterns", "mens-shirt")
 MEN = ("man-84", "man-92", "man-100", "man-116", "man-120")
 
 
@@ -78,6 +78,43 @@ def test_buttons_lie_on_the_centre_of_both_fronts() -> None:
     # the left end of the stand, with the buttonhole, ends where the left front does
     ends = {seam.name: side_ends(pattern, seam.a)[1] + " " + side_ends(pattern, seam.b)[1] for seam in pattern.seams}
     assert (ends["neck_left"], ends["neck_right"]) == ("end_m neck_edge", "end neck_edge")
+
+
+def test_the_leaf_is_sewn_to_the_stand_from_centre_front_to_centre_front() -> None:
+    pattern, given = drafted("man-100")
+    seams = {seam.name: seam for seam in pattern.seams}
+    drop = 2.0 * math.pi * 30.0 * 10.0 / 360.0  # upper edge of a sector of 10 degrees and 30 high, over the whole stand
+    share = (given["neck_base"] + 35.0) / (given["neck_base"] + 35.0 + 36.0)
+    assert side_length(pattern, seams["collar"].b) == pytest.approx(given["neck_base"] + 35.0 - share * drop)
+    assert seams["collar"].fold_angle_deg == 165.0, "toward the right side of the stand"
+    leaf = pattern.panels["collar"]
+    assert edge_length(leaf, "end") == pytest.approx(math.hypot(70.0, 25.0))
+    outer = edge_length(leaf, "outer", "outer_m")
+    assert outer > side_length(pattern, seams["collar"].b) + 30.0, "it goes around the stand, and over its seam"
+
+
+def test_the_collar_closes_after_the_body_the_left_end_over_the_right_one_and_the_leaf_last() -> None:
+    pattern, _ = drafted("man-100")
+    order = {seam.name: seam.order for seam in pattern.seams}
+    later = {"neck_back": 2, "neck_right": 2, "cuff_left": 2, "cuff_right": 2, "neck_left": 3, "collar": 4}
+    assert order == {name: later.get(name, 1) for name in order}
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_a_cuff_goes_around_the_wrist_and_its_ends_over_each_other(side: str) -> None:
+    pattern, given = drafted("man-100")
+    seam = next(seam for seam in pattern.seams if seam.name == f"cuff_{side}")
+    finished = given["wrist"] + 75.0
+    assert side_length(pattern, seam.b) == pytest.approx(finished)
+    assert side_length(pattern, seam.a) == pytest.approx(given["wrist"] + 125.0), "the rest is gathered"
+    cuff = pattern.panels[f"cuff_{side}"]
+    assert edge_length(cuff, "low") == pytest.approx(finished + 36.0)
+    button = next(button for button in pattern.buttons if button.name == f"button_cuff_{side}")
+    apart = np.subtract(button.button.uv_mm, button.buttonhole.uv_mm)
+    assert np.abs(apart) == pytest.approx([finished, 0.0]), "what lies between them goes once around"
+    sleeve = pattern.panels[f"sleeve_{side}"]
+    assert edge_length(sleeve, "placket_front") == pytest.approx(60.0)
+    assert edge_length(sleeve, "placket_back") == pytest.approx(60.0)
 
 
 @pytest.mark.parametrize("body", ["man-92", "man-100", "man-116"])

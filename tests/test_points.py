@@ -94,6 +94,14 @@ def test_ends_that_something_drives_apart_close_with_a_floor_on_their_speed(leas
     assert float(np.linalg.norm(constraint.gaps(x))) == pytest.approx(expected, rel=0.01)
 
 
+def test_each_row_has_a_floor_of_its_own() -> None:
+    rows = stitch_rows(np.array([[0, 1], [2, 3]]), ("sewn", "late"))
+    constraint = ConstraintPoints(rows, np.ones(4), rate=14.0, least_speed=np.array([1.0, 0.05]))
+    x, wanted = np.array([[0.01, 0.0, 0.0], [0.0, 0.0, 0.0], [0.01, 0.0, 0.0], [0.0, 0.0, 0.0]]), np.zeros((2, 3))
+    demand_speeds(constraint.bonds(wanted, np.zeros((2, 3))), x, 1e-4)
+    assert wanted == pytest.approx(np.array([[-1.0, 0.0, 0.0], [-0.05, 0.0, 0.0]]))
+
+
 def test_a_garment_without_seams_has_no_rows() -> None:
     constraint = ConstraintPoints(stitch_rows(np.zeros((0, 2), dtype=np.int32), ()), np.ones(3), rate=10.0)
     assert constraint.gaps(np.ones((3, 3))).shape == (0, 3)

@@ -11,15 +11,15 @@ from test_lattice import one_material, two_panels
 from garmentcad.cloth.lattice import build_cloth
 from garmentcad.cloth.state import State
 from garmentcad.cloth.weld import weld
-from garmentcad.constraints.points import PointRows, rows_without, stitch_rows
+from garmentcad.constraints.points import PointRows, rows_where, stitch_rows
 from garmentcad.contact.contact import Contact
 from garmentcad.errors import TangledError
 from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.internal import internal_forces
 from garmentcad.io.mannequin_file import read_mannequin
 from garmentcad.pattern.pattern import EdgeUse, Seam
-from garmentcad.simulation.course import Progress
-from garmentcad.simulation.sewing import Welding, close_seams, first_orders, weld_state, widest_closed_gap
+from garmentcad.simulation.course import CLOSED_M, Progress
+from garmentcad.simulation.sewing import Welding, close_seams, closing_leniency, first_orders, row_orders, weld_state
 from garmentcad.simulation.start import refuse_tangled
 from garmentcad.solve.dynamics import Dynamics
 from garmentcad.solve.strain_limit import strain_limit
@@ -162,11 +162,12 @@ def test_a_panel_waits_for_the_first_of_its_seams_and_holds_its_buttons_back() -
     assert [set(orders[cloth.vertex_particle[cloth.vertex_panel == panel]]) for panel in range(3)] == [{1.0}, {1.0}, {2.0}]
     alone = np.array([int(np.argmax(cloth.vertex_panel == panel)) for panel in range(3)])
     rows = PointRows.plain(np.array([0, 1, 1, 2]), np.append(alone, 10**6)[[0, 1, 2, 3]], np.ones(4), np.arange(9.0).reshape(3, 3), ("hook", "button", "body"))
-    kept = rows_without(rows, orders > 1.0)
+    assert row_orders(rows, orders).tolist() == [1.0, 2.0, 0.0]
+    kept = rows_where(rows, row_orders(rows, orders) < 2.0)
     assert (kept.names, kept.row.tolist(), kept.particle.tolist()) == (("hook", "body"), [0, 1], [alone[0], 10**6])
     assert kept.targets.tolist() == rows.targets[[0, 2]].tolist()
 
 
 def test_layers_that_hold_a_seam_apart_are_welded_with_it_late() -> None:
-    assert [widest_closed_gap(time_s) for time_s in (0.0, 1.0, 1.2, 1.4)] == pytest.approx([1e-4, 1e-4, 2e-4, 4e-4])
-    assert widest_closed_gap(3.0) == pytest.approx(1e-3), "no wider than what is a closed seam"
+    assert [closing_leniency(time_s) for time_s in (0.0, 1.0, 1.2, 1.4)] == pytest.approx([1.0, 1.0, 2.0, 4.0])
+    assert closing_leniency(3.0) * CLOSED_M == pytest.approx(1e-3), "no wider than what is a closed seam"

@@ -27,15 +27,15 @@ MEN = ("man-100", "man-92", "man-116")
 FABRICS = {
     "flared-skirt": ("wool-suiting", "cotton-shirting", "silk-habotai"),
     "knit-top": ("interlock-knit", "ponte-roma", "stretch-twill"),
+    "mens-shirt": ("cotton-shirting", "polycotton-twill", "silk-habotai"),
     "pleated-skirt": ("wool-suiting", "wool-tropical", "polyester-tropical"),
     "sheath-dress": ("wool-dress", "cotton-shirting", "polyester-satin"),
-    "shirt": ("cotton-shirting", "polycotton-twill", "silk-habotai"),
     "straight-skirt": ("wool-suiting", "cotton-shirting", "denim-lightweight"),
     "t-shirt": ("interlock-knit", "cotton-shirting", "wool-suiting"),
     "trousers": ("wool-suiting", "polycotton-trousering", "denim"),
     "wrap-skirt": ("wool-suiting", "cotton-shirting", "viscose-lining"),
 }
-BODIES = {"t-shirt": WOMEN + MEN, "trousers": WOMEN + MEN, "shirt": MEN, "knit-top": WOMEN + MEN}
+BODIES = {"t-shirt": WOMEN + MEN, "trousers": WOMEN + MEN, "mens-shirt": MEN, "knit-top": WOMEN + MEN}
 KEPT = ("status", "particles", "steps", "simulated_time_s", "seam_gap_mm", "mannequin_penetration_mm", "self_intersections", "mannequin_intersections",
         "pattern_ease_mm", "ease_mm", "hem_height_mm", "waist_drop_mm", "armhole_to_shoulder_mm", "state_sha256", "warnings")  # fmt: skip
 COLUMNS = {

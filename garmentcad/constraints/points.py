@@ -65,14 +65,10 @@ def joined_rows(first: PointRows, second: PointRows) -> PointRows:
     )
 
 
-def rows_without(rows: PointRows, particles: np.ndarray) -> PointRows:
-    """The rows that act on none of the `particles` (P,) bool."""
-    bound = rows.particle < len(particles)  # the rest are a body's nodes
-    touched = np.zeros(len(rows.targets), dtype=bool)
-    touched[rows.row[bound][particles[rows.particle[bound]]]] = True
-    kept, entries = np.flatnonzero(~touched), ~touched[rows.row]
-    number = np.cumsum(~touched) - 1
-    names = tuple(rows.names[k] for k in kept)
+def rows_where(rows: PointRows, kept: np.ndarray) -> PointRows:
+    """Those of the rows that `kept` (R,) bool names."""
+    entries, number = kept[rows.row], np.cumsum(kept) - 1
+    names = tuple(rows.names[k] for k in np.flatnonzero(kept))
     return PointRows(number[rows.row[entries]], rows.particle[entries], rows.weight[entries], rows.targets[kept], names, rows.shank[kept], rows.normal_of[kept])
 
 
@@ -102,7 +98,8 @@ class Bonds(NamedTuple):
     normals: np.ndarray  # (R,3) along which a row is free; 0 for those that are not
     shanks: np.ndarray  # (R,) m
     bounds: np.ndarray  # (R,2) m/s, scratch: least and largest speed along the normal in this step
-    numbers: np.ndarray  # (4,) rate 1/s, least speed m/s, largest force N, 1 where the forces stay as they are
+    least: np.ndarray  # (R,) m/s, floor of the closing speed
+    numbers: np.ndarray  # (3,) rate 1/s, largest force N, 1 where the forces stay as they are
 
 
 @kernel
@@ -122,8 +119,9 @@ def _along(normals, r, vector):  # type: ignore[no-untyped-def]
 @kernel
 def demand_speeds(bonds, positions, time_step):  # type: ignore[no-untyped-def]
     """Demanded C' after this step, in place, from the gaps and the demanded C' at its beginning."""
-    rate, least_speed = bonds.numbers[0], bonds.numbers[1]
+    rate = bonds.numbers[0]
     for r in range(len(bonds.targets)):
+        least_speed = bonds.least[r]
         gap = _row_times(bonds.jacobian, r, positions)
         outside = _along(bonds.normals, r, gap) - _along(bonds.normals, r, bonds.targets[r])
         free = min(max(outside, 0.0), bonds.shanks[r])
@@ -146,7 +144,7 @@ def demand_speeds(bonds, positions, time_step):  # type: ignore[no-untyped-def]
 @kernel
 def correct_speeds(bonds, time_step, velocities):  # type: ignore[no-untyped-def]
     """Add to velocities, in place, what the constraint forces of this step add."""
-    count, largest = len(bonds.targets), bonds.numbers[2] * time_step
+    count, largest = len(bonds.targets), bonds.numbers[1] * time_step
     lacking = np.empty((count, 3))
     for r in range(count):
         speed = _row_times(bonds.jacobian, r, velocities)
@@ -176,7 +174,7 @@ def push(bonds, time_step, velocities):  # type: ignore[no-untyped-def]
 @long_kernel
 def apply_bonds(bonds, positions, time_step, velocities):  # type: ignore[no-untyped-def]
     """The constraints of a step, after its forces."""
-    if bonds.numbers[3] > 0.0:
+    if bonds.numbers[2] > 0.0:
         push(bonds, time_step, velocities)
     else:
         demand_speeds(bonds, positions, time_step)
@@ -191,21 +189,21 @@ def no_bonds() -> Bonds:
     """No constraint at all."""
     empty = Rows(np.zeros(1, np.int32), np.zeros(0, np.int32), np.zeros(0))
     none = np.zeros((0, 3))
-    return Bonds(empty, empty, empty, none, none, none, none, np.zeros(0), np.zeros((0, 2)), np.zeros(4))
+    return Bonds(empty, empty, empty, none, none, none, none, np.zeros(0), np.zeros((0, 2)), np.zeros(0), np.zeros(3))
 
 
 class ConstraintPoints:
     """All point constraints of a cloth, solved together at each step.
 
-    rate: closing rate r [1/s]; ks = r^2, and ks dt^2 must stay below 0.1. cap: largest force of a row [N]. least_speed: floor of the closing speed [m/s].
-    nodes: number of particles and nodes of a body, as many as the positions have that it is given; default: the particles alone.
+    rate: closing rate r [1/s]; ks = r^2, and ks dt^2 must stay below 0.1. cap: largest force of a row [N]. least_speed: floor of the closing speed [m/s],
+    one or (R,). nodes: number of particles and nodes of a body, as many as the positions have that it is given; default: the particles alone.
     `loaded`: the multipliers stay what they were. Where contact holds against a constraint, what each of them carries depends on the inertia of the moment;
     whether forces balance does not.
     `redundant` names rows that repeat others (they are solved by least squares).
     """
 
     def __init__(
-        self, rows: PointRows, inverse_masses: np.ndarray, rate: float, cap: float = np.inf, least_speed: float = 0.0, nodes: int | None = None
+        self, rows: PointRows, inverse_masses: np.ndarray, rate: float, cap: float = np.inf, least_speed: float | np.ndarray = 0.0, nodes: int | None = None
     ) -> None:
         self.names, self.cap, self.least_speed = rows.names, cap, least_speed
         self.targets, self.rate = rows.targets, rate
@@ -272,5 +270,6 @@ class ConstraintPoints:
         """The constraints as `apply_bonds` needs them; wanted, forces (R,3): the demanded C' and the multipliers, which it changes in place."""
         return Bonds(
             _rows(self._jacobian), _rows(self._solved), _rows(self._spread), floats(self.targets), wanted, forces, floats(self._normals),
-            floats(self._shanks), np.zeros((len(wanted), 2)), floats([self.rate, self.least_speed, self.cap, float(self.loaded)]),
+            floats(self._shanks), np.zeros((len(wanted), 2)), floats(np.broadcast_to(self.least_speed, len(wanted))),
+            floats([self.rate, self.cap, float(self.loaded)]),
         )  # fmt: skip

@@ -24,7 +24,7 @@ CLOSING_RATE = 14.0  # 1/s, of the dynamic constraints
 # its walls turn the pull of the cloth aside, then stand still with all the force that closes them taken up. After a while the floor doubles with every tenth.
 CLOSING_LEAST_M_S, CLOSING_LATE_S, CLOSING_DOUBLES_S = 0.05, 0.6, 0.1
 # What is pulled as fast as cloth may go and still stands open is held apart by layers that lie between: where a collar folds over its seam, say. From then on
-# the gap below which seams are welded doubles with every so many seconds, up to the widest that is a closed seam.
+# the gap below which seams are welded doubles with every so many seconds, up to the widest that is a closed seam; and so does that of pins and buttons.
 CLOSED_LATE_S, CLOSED_DOUBLES_S = 1.0, 0.2
 CLOSING_PULL_N_M = 100.0  # per length of seam, at most: a fifth of what the tensile tester pulls
 CLOSING_DRAG = 12.0  # 1/s

@@ -10,7 +10,7 @@ import numpy as np
 
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.state import State
-from garmentcad.constraints.points import ConstraintPoints, PointRows, joined_rows, rows_without, stitch_rows
+from garmentcad.constraints.points import ConstraintPoints, PointRows, joined_rows, rows_where, stitch_rows
 from garmentcad.simulation.course import (
     CAUGHT_M,
     CLOSED_DOUBLES_S,
@@ -75,29 +75,36 @@ def close_seams(dynamics: Dynamics, state: State, hardware: PointRows, look: Cal
     first those of the lowest order, which then hold while the next ones close. A panel whose first seam has not come yet is held where it was placed, and with
     it the pins and buttons on it: what closes before would knock it about."""
     cloth = dynamics.cloth
-    order = cloth.seam_order[cloth.stitch_seam]
     turns = first_orders(cloth)
+    order, held = cloth.seam_order[cloth.stitch_seam], row_orders(hardware, turns)
     began = state.run.get(_ORDER, 0.0)
     for now in np.unique(order[order >= began]).tolist() or [began]:
         if state.run.get(_ORDER) != now:
             state.run |= {_ORDER: float(now), _FROM: state.time_s}
-        waiting = turns > now
-        dynamics.hold_still(waiting)
-        welding = _close(dynamics, state, rows_without(hardware, waiting), np.flatnonzero(order <= now), look)
+        dynamics.hold_still(turns > now)
+        late = np.concatenate([order[order <= now], held[held <= now]]) < now
+        welding = _close(dynamics, state, rows_where(hardware, held <= now), np.flatnonzero(order <= now), late, look)
     return welding
 
 
 def first_orders(cloth: Cloth) -> np.ndarray:
-    """Order (P,) of the first seam of the panel of each particle, 0 where its panel has none that is still open."""
+    """Order (P,) of the first open seam of the panel of each particle; of the first of all where its panel has none."""
     panel_of = np.zeros(cloth.particle_count, dtype=np.int32)
     panel_of[cloth.vertex_particle] = cloth.vertex_panel
-    orders = np.full(len(cloth.panel_names), np.inf)
-    np.minimum.at(orders, panel_of[cloth.stitches], cloth.seam_order[cloth.stitch_seam][:, None])
-    return np.where(np.isinf(orders), 0.0, orders)[panel_of]
+    order, orders = cloth.seam_order[cloth.stitch_seam], np.full(len(cloth.panel_names), np.inf)
+    np.minimum.at(orders, panel_of[cloth.stitches], order[:, None])
+    return np.where(np.isinf(orders), order.min() if len(order) else 0.0, orders)[panel_of]
 
 
-def _close(dynamics: Dynamics, state: State, hardware: PointRows, chosen: np.ndarray, look: Callable[[Progress], None]) -> Welding:
-    """Close the `chosen` stitches."""
+def row_orders(rows: PointRows, turns: np.ndarray) -> np.ndarray:
+    """Order (R,) from which each row can act: that of the last of its particles to be let go; turns (P,) when they are."""
+    orders, bound = np.zeros(len(rows.targets)), rows.particle < len(turns)  # the rest are a body's nodes
+    np.maximum.at(orders, rows.row[bound], turns[rows.particle[bound]])
+    return orders
+
+
+def _close(dynamics: Dynamics, state: State, hardware: PointRows, chosen: np.ndarray, late: np.ndarray, look: Callable[[Progress], None]) -> Welding:
+    """Close the `chosen` stitches. late: (R,) bool of their rows and those of the hardware, which were closed before: they hold with all that closed them."""
     cloth, since = dynamics.cloth, state.run[_FROM]
     names = tuple(cloth.seam_names[k] for k in cloth.stitch_seam[chosen])
     pull, nodes, sewn = CLOSING_PULL_N_M * cloth.spacing, dynamics.contact.nodes, len(names)
@@ -110,10 +117,11 @@ def _close(dynamics: Dynamics, state: State, hardware: PointRows, chosen: np.nda
     while True:
         gaps, speeds = dynamics.constraint_errors(state)
         look(Progress(state.phase, state.step, state.time_s, float(gaps.max(initial=0.0)) * 1e3, None, dynamics.measures(state)[2], None))
-        closed = bool(np.all(gaps[:sewn] < np.maximum(caught, widest_closed_gap(state.time_s - since)))) and gaps[sewn:].max(initial=0.0) < HELD_M
+        leniency = closing_leniency(state.time_s - since)
+        closed = bool(np.all(gaps[:sewn] < np.maximum(caught, leniency * CLOSED_M))) and gaps[sewn:].max(initial=0.0) < leniency * HELD_M
         if closed or state.time_s - since >= CLOSING_CAP_S:
             break
-        dynamics.constraint.least_speed = least_closing_speed(state.time_s - since)
+        dynamics.constraint.least_speed = np.where(late, SPEED_CAP_M_S, least_closing_speed(state.time_s - since))
         advance_or_retreat(dynamics, state)
     worst: dict[str, float] = {}
     for name, gap in zip(names, gaps):
@@ -140,9 +148,9 @@ def least_closing_speed(time_s: float) -> float:
     return float(min(CLOSING_LEAST_M_S * 2.0 ** max(0.0, (time_s - CLOSING_LATE_S) / CLOSING_DOUBLES_S), SPEED_CAP_M_S))
 
 
-def widest_closed_gap(time_s: float) -> float:
-    """Gap below which a seam is closed, m, after `time_s` of sewing."""
-    return float(min(CLOSED_M * 2.0 ** max(0.0, (time_s - CLOSED_LATE_S) / CLOSED_DOUBLES_S), 1e-3 * WIDEST_WELD_MM))
+def closing_leniency(time_s: float) -> float:
+    """How many times wider than at the beginning a gap may be, after `time_s` of sewing, to count as closed."""
+    return float(min(2.0 ** max(0.0, (time_s - CLOSED_LATE_S) / CLOSED_DOUBLES_S), 1e-3 * WIDEST_WELD_MM / CLOSED_M))
 
 
 def weld_state(cloth: Cloth, welded: Cloth, particle_map: np.ndarray, state: State) -> State:
