@@ -173,7 +173,6 @@ def test_a_push_without_motion_and_a_motion_by_push_alone_are_no_unrest() -> Non
 
 
 def test_the_speed_cap_holds_against_forces_and_keeps_their_direction() -> None:
-    """Up to what the forces of the last step add."""
     materials = linear_fabric()
     cloth = rectangle_cloth(40.0, 40.0, 10.0, 0.0, materials)
     dynamics = dynamics_of(cloth, None, 0.0, materials)
@@ -181,31 +180,6 @@ def test_the_speed_cap_holds_against_forces_and_keeps_their_direction() -> None:
     state = State(hanging(cloth), np.tile([0.3, 0.0, 0.0], (cloth.particle_count, 1)))
     dynamics.start(state)
     dynamics.advance(state, 2000)
-    speeds = np.linalg.norm(state.velocities, axis=1)
-    assert (speeds >= 0.5 - 1e-12).all()
-    assert (speeds <= 0.5 + GRAVITY_M_S2 * state.time_step_s).all()
+    assert np.linalg.norm(state.velocities, axis=1) == pytest.approx(0.5, rel=1e-9)
     assert (state.velocities[:, 1] < 0.0).all()
     assert (state.velocities[:, 0] > 0.0).all()
-
-
-def test_the_speed_cap_takes_nothing_from_what_presses_on_a_body() -> None:
-    """A sheet with a fixed border, 3 mm over the tip of a cone: what tension adds in a step to the corners over the tip is above the cap, each by another
-    factor, and contact takes it all. At rest the forces of all corners balance, not the capped ones."""
-    materials = linear_fabric()
-    cloth = rectangle_cloth(80.0, 80.0, 10.0, 0.0, materials)
-    u, v = (cloth.vertex_uv_mm * 1e-3 - 0.04).T
-    cone = trimesh.creation.cone(radius=0.02, height=0.04, sections=16)
-    tip = np.asarray(cone.vertices)[:, [0, 2, 1]] + [0.002, -0.037, 0.0035]
-    contact = Contact(cloth, materials, (tip, np.asarray(cone.faces)[:, ::-1]))
-    border = np.maximum(abs(u), abs(v)) > 0.0399
-    apart = np.hypot(u - 0.002, v + 0.0035)
-    flat = np.column_stack([u, np.where(border, 0.0, 0.006 * np.clip(1.0 - apart / 0.04, 0.0, 1.0)), -v])
-    forces = ForceAssembly(internal_forces(cloth, materials), cloth.particle_count, [ForceGravity(cloth.masses)])
-    dynamics = Dynamics(cloth, forces, strain_limit(cloth, materials), contact, border)
-    dynamics.drag, dynamics.speed_cap_m_s = 100.0, 2e-3
-    state = State(flat, np.zeros_like(flat))
-    dynamics.start(state)
-    dynamics.advance(state, 6000)
-    pressed = np.linalg.norm(dynamics.net_forces(state) / cloth.masses[:, None], axis=1)[~border].max() * state.time_step_s
-    assert pressed > 2.0 * dynamics.speed_cap_m_s
-    assert residual(dynamics, state, patches(cloth)).rms_g < 0.02

@@ -321,7 +321,7 @@ def _respond_of(particles, body, planes, grip, motion, pace, out):  # type: igno
         if distance_between(positions, planes.home, p) + nearer + reserve > planes.allowance[p]:
             margin = max(MARGIN, 2.0 * reserve, min(_STEPS_PER_LOOK * speed * time_step, _MOST))
             _look(p, surface, tree, grip, x, (largest, margin, nearer), planes, rows, (positions, velocities, time_step), pace)
-        if planes.held[p] > 0 and (planes.held[p] > 1 or rooms(planes, p, 0, x)[1] <= reserve):
+        if planes.held[p] > 0 and (planes.held[p] > 1 or rooms(planes, p, 0, x)[1] <= CLOSED + reserve):
             v, lost = held(p, planes, grip.friction[p], x, v, time_step)
             rest = minus(v, row_at(planes.drift, p, 0)) if moving else v
             total += dot(lost, rest) / inverse_masses[p]

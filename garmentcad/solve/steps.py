@@ -32,13 +32,13 @@ class Controls(NamedTuple):
 
     time_step: float  # s
     drag: np.ndarray  # (P,) 1/s
-    speed_cap: float  # m/s, a particle that is faster begins its step with this speed
+    speed_cap: float  # m/s, forces make no particle faster, but toward the body
     runaway: float  # m/s
     surge: float  # of the fastest speed before a response, up to which contact counts on it
 
 
 @kernel
-def _advance_of(particles, sums, rates, drag, inverse_masses, velocities, out):  # type: ignore[no-untyped-def]
+def _advance_of(particles, sums, rates, drag, inverse_masses, planes, velocities, out):  # type: ignore[no-untyped-def]
     time_step, cap = rates
     largest = 0.0
     for p in range(particles[0], particles[1]):
@@ -49,24 +49,31 @@ def _advance_of(particles, sums, rates, drag, inverse_masses, velocities, out): 
         push, keep = time_step * inverse_masses[p], 1.0 - time_step * drag[p]
         if push == 0.0:
             keep = 1.0
-        x, y, z = velocities[p, 0], velocities[p, 1], velocities[p, 2]
+        x, y, z = keep * velocities[p, 0] + push * fx, keep * velocities[p, 1] + push * (fy - sums.weight[p]), keep * velocities[p, 2] + push * fz
         square = x * x + y * y + z * z
-        # What it has, not what this step's forces add: those that press on a body may be many times the weight, and contact takes all of them.
+        # not a number stays one: the comparison is false
         if square > cap * cap:
-            keep *= cap / math.sqrt(square)
-        x, y, z = keep * x + push * fx, keep * y + push * (fy - sums.weight[p]), keep * z + push * fz
+            # What presses on the body is not cut: it may be many times the weight, contact takes all of it, and it holds what pulls beside it in balance.
+            a, b, c, into = 0.0, 0.0, 0.0, 0.0
+            if planes.held[p] > 0:
+                a, b, c = planes.normal[p, 0, 0], planes.normal[p, 0, 1], planes.normal[p, 0, 2]
+                into = min(0.0, a * x + b * y + c * z)
+            x, y, z = x - into * a, y - into * b, z - into * c
+            square = x * x + y * y + z * z
+            share = cap / math.sqrt(square) if square > cap * cap else 1.0
+            x, y, z = share * x + into * a, share * y + into * b, share * z + into * c
+            square = x * x + y * y + z * z
         velocities[p, 0], velocities[p, 1], velocities[p, 2] = x, y, z
-        square = x * x + y * y + z * z
         largest = max(largest, square) if square == square else math.inf
     out[0] = largest
 
 
 @parallel_kernel
-def advance_velocities(sums, rates, drag, inverse_masses, velocities, out):  # type: ignore[no-untyped-def]
-    """Velocities in place; rates: time step, speed cap; drag (P,) 1/s; out (CHUNKS,2): largest squared speed in the first column."""
+def advance_velocities(sums, rates, drag, inverse_masses, planes, velocities, out):  # type: ignore[no-untyped-def]
+    """Velocities in place; rates: time step, speed cap; drag (P,) 1/s; planes: of the body below; out (CHUNKS,2): largest squared speed in the first column."""
     count = len(sums.weight)
     for chunk in prange(CHUNKS):
-        _advance_of(chunk_range(chunk, count), sums, rates, drag, inverse_masses, velocities, out[chunk])
+        _advance_of(chunk_range(chunk, count), sums, rates, drag, inverse_masses, planes, velocities, out[chunk])
 
 
 @kernel
@@ -118,7 +125,7 @@ def run_steps(order, controls, laws, sums, bonds, limit, contact, clock):  # typ
             go_with_body(rules, leg, since, motion)
         if step > 0 or not resumed:
             write_internal(laws, positions, velocities, sums.corner_forces)
-            advance_velocities(sums, (dt, controls.speed_cap), controls.drag, inverse_masses, velocities, out)
+            advance_velocities(sums, (dt, controls.speed_cap), controls.drag, inverse_masses, rules[4], velocities, out)
             fastest = _largest(out)
             if not fastest < controls.runaway:
                 return RUNAWAY
