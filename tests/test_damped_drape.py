@@ -49,7 +49,6 @@ def test_energy_of_a_damped_drape_never_grows(friction: bool) -> None:
     energy, friction_work = np.array(stored), np.array(taken)
     fallen = energy.max() - energy.min()
     assert fallen > 0.3 * cloth.masses.sum() * 9.81 * 1e-3 * SIDE_MM  # it did fall
-    print(fallen, friction_work[-1], (np.diff(energy).max() / fallen, np.diff(energy + friction_work).max() / fallen))
     for kept in (energy, energy + friction_work):
         assert (kept - np.minimum.accumulate(kept)).max() < GROWTH * fallen
     assert (friction_work[-1] > 0.01 * fallen) == friction

@@ -66,7 +66,7 @@ class ForceAssembly:
         return {name: gauge.strain - share * gauge.way for name, gauge in gauges.items()}
 
     def slacken(self, sliders: dict[str, np.ndarray], positions: np.ndarray, curves: Sequence[int]) -> None:
-        """Set the sliders of some curves, in place, to those of cloth that was never strained; positions (P,3)."""
+        """Set the sliders of `curves`, numbers in CURVES, in place to those of cloth that was never strained; positions (P,3) [m]."""
         for force in self.forces:
             chosen = np.isin(force.gauge(positions).curve, curves)
             sliders[force.name][chosen] = force.slack()[chosen]

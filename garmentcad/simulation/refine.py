@@ -40,7 +40,7 @@ def refined(coarse: Cloth, values: np.ndarray, fine: Cloth) -> np.ndarray:
 
 def off_body(positions: np.ndarray, triangles: np.ndarray, vertices: np.ndarray, faces: np.ndarray, spacing: float) -> np.ndarray:
     """Positions (P,3) m of cloth whose triangles (F,3) a sharp part of the body (vertices (V,3) m, faces) pricks, moved off it where they cross it, by less
-    than half a spacing; others stay. What crosses still does so deeper."""
+    than half a spacing; others stay. What still crosses afterwards does so deeper than that."""
     moved = positions.copy()
     for _ in range(_LIFTS):
         pairs = crossing_triangle_pairs_between(moved, triangles, vertices, faces)
