@@ -10,13 +10,13 @@ import pytest
 
 from garmentcad.fabric.material import MaterialTable, without_friction
 from garmentcad.fabric.sheet import KesSheet, is_calibrated
-from garmentcad.io.fabric_file import fabric_path, load_fabric, read_fabric, write_fabric, write_law
+from garmentcad.io.fabric_file import fabric_names, fabric_path, load_fabric, read_fabric, write_fabric, write_law
 from garmentcad.rigs import calibrate as calibration
 from garmentcad.rigs.bending import bending_test, printed_bending
-from garmentcad.rigs.calibrate import calibrate, corrections_percent
+from garmentcad.rigs.calibrate import beyond_tester_percent, calibrate, corrections_percent
 from garmentcad.rigs.kes import KesTester, Record, run_tester, sheet_materials
 from garmentcad.rigs.off_grain import clamped_stiffness, sheet_stiffness
-from garmentcad.rigs.shear import printed_shear, shear_test
+from garmentcad.rigs.shear import clamped_share, printed_shear, shear_test
 from garmentcad.rigs.specimen import Specimen
 from garmentcad.rigs.tension import tension_test
 from garmentcad.units import GF_CM2_CM_TO_N_M, GF_CM_DEG_TO_N_M_RAD
@@ -89,6 +89,23 @@ def test_shear_loses_a_few_percent_at_the_free_edges() -> None:
     law = float(ELASTIC.shear[0]) / GF_CM_DEG_TO_N_M_RAD
     assert 0.95 * law < printed["G"] < 0.995 * law
     assert abs(printed["2HG"]) < 1e-6 * law
+
+
+@pytest.mark.parametrize("name", ["interlock-knit", "cotton-shirting"])
+def test_shear_of_a_clamped_specimen_has_its_closed_form(name: str) -> None:
+    """One specimen stretches by 4 and 10 % and loses 4 and 7 % at its edges, the other stretches by less than 1 % and loses 1 to 2 %."""
+    elastic = without_friction(sheet_materials(load_fabric(fabric_path(name)).sheet))
+    law = float(elastic.shear[0]) / GF_CM_DEG_TO_N_M_RAD
+    for angle, share in zip((0.0, 90.0), clamped_share(elastic), strict=True):
+        assert printed_shear(shear_test(elastic, angle, 5.0, sides=1), (0.5, 2.5))["G"] == pytest.approx(share * law, rel=5e-3)
+
+
+@pytest.mark.parametrize("name", fabric_names())
+def test_law_values_are_the_sheet_but_for_what_the_tester_loses_by_theory(name: str) -> None:
+    beyond = beyond_tester_percent(load_fabric(fabric_path(name)).sheet)
+    assert len(beyond) > 15
+    assert max(map(abs, beyond.values())) < 5.0
+    assert abs(beyond["G.warp"]) < 1.0
 
 
 def test_loops_of_shear_and_bending_have_the_widths_of_the_sheet() -> None:

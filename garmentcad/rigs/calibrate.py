@@ -12,6 +12,7 @@ from collections.abc import Callable
 from garmentcad.fabric.quantity import quantity_of
 from garmentcad.fabric.sheet import CalibratedLaw, KesSheet, sheet_sha256
 from garmentcad.rigs.kes import TESTERS, KesTester, run_tester, sheet_materials
+from garmentcad.rigs.shear import clamped_share
 
 GRID_MM = 2.5
 AGREED = 2e-3  # prints as near as that to the sheet need no correction
@@ -75,3 +76,10 @@ def with_law(sheet: KesSheet, values: dict[str, float]) -> KesSheet:
 def corrections_percent(sheet: KesSheet) -> dict[str, float]:
     """By how much each law value of a calibrated sheet differs from the sheet's own; empty without a law."""
     return {} if sheet.law is None else {key: 100.0 * (value / sheet.number(key) - 1.0) for key, value in sheet.law.values.items()}
+
+
+def beyond_tester_percent(sheet: KesSheet) -> dict[str, float]:
+    """The corrections of a calibrated sheet without those that a clamped specimen calls for by theory (`clamped_share`; one for both directions, as the law
+    has one trellis): what is left is the lattice's own, and what the theory leaves out."""
+    share = math.prod(clamped_share(sheet_materials(sheet))) ** 0.5
+    return {key: (100.0 + percent) * share - 100.0 if key.split(".")[0] in _SHARED else percent for key, percent in corrections_percent(sheet).items()}

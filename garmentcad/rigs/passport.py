@@ -12,7 +12,7 @@ import numpy as np
 from garmentcad import __version__
 from garmentcad.fabric.missing import measured_fraction
 from garmentcad.fabric.sheet import KesSheet, is_calibrated, sheet_sha256
-from garmentcad.rigs.calibrate import GRID_MM, corrections_percent
+from garmentcad.rigs.calibrate import GRID_MM, beyond_tester_percent, corrections_percent
 from garmentcad.rigs.cusick import GEOMETRIES, LAYS, USUAL, Drape, Drapemeter
 from garmentcad.rigs.kes import TESTERS, KesTester, Record, run_tester, sheet_materials
 
@@ -54,13 +54,18 @@ def make_passport(sheet: KesSheet, grid_mm: float, lays: int = LAYS, geometry: s
         "grid_mm": grid_mm,
         "measured_fraction": measured_fraction(sheet),
         "uncalibrated": not is_calibrated(sheet),
-        "law": {"grid_mm": GRID_MM, "values": dict(sheet.law.values), "corrections_percent": corrections_percent(sheet)} if sheet.law else None,
+        "law": _law_figures(sheet) if sheet.law else None,
         "kes": _compared(sheet, records),
         "bending_range_per_cm": {tester.way: float(record.branches[0].x[-1]) for tester, record in records.items() if tester.kind == "bending"},
         "drape": _drape_figures(drapes, geometry) if drapes else None,
         "wall_time_s": time.perf_counter() - began,
     }
     return Passport(sheet, figures, records, drapes)
+
+
+def _law_figures(sheet: KesSheet) -> dict[str, Any]:
+    values = dict(sheet.law.values) if sheet.law else {}
+    return {"grid_mm": GRID_MM, "values": values, "corrections_percent": corrections_percent(sheet), "beyond_tester_percent": beyond_tester_percent(sheet)}
 
 
 def _compared(sheet: KesSheet, records: dict[KesTester, Record]) -> dict[str, dict[str, float | None]]:

@@ -3,6 +3,13 @@
 One clamp slides sideways and keeps the tension by moving along. The angle is that of the line between the clamps. Of the sideways reaction per width the
 part is taken off that the tension has by leaning, F - T tan(angle): the tester's own correction (Kawabata 1980); of inextensible yarns G angle/cos(angle)
 is left.
+
+What such a specimen prints of its law has a closed form, `clamped_share`: under the tester's tension it is 1 + e times as long between the clamps, and along
+its free edges no shear is carried. There cross yarns follow the clamps while the others give way along themselves, E v_yy + G v_xx = 0 with v = 0 at the
+clamps and v_x = -gamma at the edge: v = sum over odd n of 4 gamma/(n pi k) exp(-k x) sin(n pi y/L), k = (n pi/L) sqrt(E/G), which takes its mean over y from
+either edge,
+
+    printed/law = (1 - 14 zeta(3)/pi^3 (L/b) sqrt(G/E))/(1 + e),    L = 5 cm, b = 20 cm; e, E strain and tangent of the tensile curve at 10 gf/cm.
 """
 
 from __future__ import annotations
@@ -11,7 +18,11 @@ import math
 from collections.abc import Iterable
 
 import numpy as np
+from scipy.special import zeta
 
+from garmentcad.cloth.cloth import WARP, WEFT
+from garmentcad.fabric.law_shear import HIGH, LOW
+from garmentcad.fabric.law_tension import loading, strain_at_force
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.rigs.loop import Branch, Loop
 from garmentcad.rigs.specimen import Specimen
@@ -65,3 +76,20 @@ def _in_modes(modes, displacement: np.ndarray) -> np.ndarray:  # type: ignore[no
 def printed_shear(loop: Loop, window_deg: tuple[float, float]) -> dict[str, float]:
     """G (gf/(cm.deg)), 2HG and 2HG5 (gf/cm) of the record."""
     return {"G": loop.slope(window_deg), "2HG": loop.width(0.5), "2HG5": loop.width(5.0)}
+
+
+def clamped_share(materials: MaterialTable) -> tuple[float, float]:
+    """What the tester prints over what the law has, warp and weft, of row 0 of `materials`, by the closed form above; to first order in the edges' loss."""
+    low, high = materials.shear_friction[0]
+    slope = float(materials.shear[0] + (high - low) / (HIGH - LOW))  # of loading, as printed
+    return _share(materials, WARP, slope), _share(materials, WEFT, slope)
+
+
+def _share(materials: MaterialTable, way: int, slope: float) -> float:
+    em, fm, exponent, initial = (
+        float(column[0, way]) for column in (materials.tension_strain, materials.tension_force, materials.tension_exponent, materials.tension_slope)
+    )
+    strain = strain_at_force(TENSION_GF_CM * GF_CM_TO_N_M, em, fm, exponent)
+    tangent = loading(strain, em, fm, exponent, initial)[1]
+    edges = 14.0 * zeta(3) / math.pi**3 * GAUGE_MM / WIDTH_MM * math.sqrt(slope / tangent)
+    return float((1.0 - edges) / (1.0 + strain))
