@@ -81,8 +81,8 @@ def main() -> None:
         f"and without in turn, medians of {TURNS} turns, {numba.get_num_threads()} thread(s), load {load:.1f} before. At most {MOST:g} % more is wanted."
     )
     why = (
-        "The kernels are the same: they carry sliders with or without friction. What friction costs is the time step, since cloth that sticks is stiffer, shear "
-        "above all. Short steps are cheaper, because cloth moves less in each and contact is detected less often."
+        "The kernels are the same: they carry sliders with or without friction. What friction costs is the time step, since cloth that sticks is stiffer, "
+        "shear above all. Short steps are cheaper, because cloth moves less in each and contact is detected less often."
     )
     write_atomic(FOLDER / "friction-cost.md", "\n".join(["# What internal friction costs", "", said, "", *table, "", why, ""]))
 
