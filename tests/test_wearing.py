@@ -50,8 +50,8 @@ def revolved() -> Mannequin:
     )  # fmt: skip
 
 
-def band(girth: float, fabric: str, sewn: int = 2, grain: float = 0.0) -> list[Finding]:
-    """A band of two panels around the waist, 60 mm high."""
+def band(girth: float, fabric: str, sewn: int = 2, grain: float = 0.0, closed: float | None = None) -> list[Finding]:
+    """A band of two panels around the waist, 60 mm high. closed: in place of its first seam there is a zip, closed so far."""
     panel: dict[str, Any] = {
         "points": {"a": [0, 0], "b": [girth / 2, 0], "c": [girth / 2, 60], "d": [0, 60]},
         "edges": [{"name": name, "from": p, "to": q} for name, p, q in (("low", "a", "b"), ("right", "b", "c"), ("top", "c", "d"), ("left", "d", "a"))],
@@ -63,7 +63,12 @@ def band(girth: float, fabric: str, sewn: int = 2, grain: float = 0.0) -> list[F
         {"name": "two", "a": ["back.right.c", "back.right.b"], "b": ["front.left.d", "front.left.a"]},
     ]
     panels = {name: {**panel, "placement": placement} for name, placement in placed.items()}
-    pattern = draft(parse_spec({"name": "band", "fabric": fabric, "mannequin": "x", "panels": panels, "seams": seams[:sewn]}, "band.yaml"), {})
+    zips: list[dict[str, Any]] = []
+    if closed is not None:
+        first = seams.pop(0)
+        zips.append({"name": first["name"], "zip": {"a": first["a"], "b": first["b"]}, "closed": closed})
+    spec = {"name": "band", "fabric": fabric, "mannequin": "x", "panels": panels, "seams": seams[:sewn], "closures": zips}
+    pattern = draft(parse_spec(spec, "band.yaml"), {})
     table, material_of = lay_out_sheets(pattern, {fabric: load_fabric(fabric_path(fabric)).sheet})
     cloth = build_cloth(pattern, material_of, table, 15.0)
     body = revolved()
@@ -89,6 +94,12 @@ def test_no_closure_is_missing() -> None:
     assert band(760.0, "wool-suiting", sewn=1) == []  # open at one side
     assert band(760.0, "interlock-knit") == []  # stretches
     assert [finding.code for finding in band(760.0, "interlock-knit", grain=90.0)] == ["closure-missing"]  # but not along its wales
+
+
+@pytest.mark.parametrize("closed", [1.0, 0.5])
+def test_a_zip_is_open_while_the_band_is_put_on_and_closed_while_it_is_worn(closed: float) -> None:
+    assert band(760.0, "wool-suiting", closed=closed) == []
+    assert [finding.code for finding in band(600.0, "wool-suiting", closed=closed)] == ["ease-impossible"]
 
 
 def test_a_ring_that_is_too_small_for_the_body() -> None:

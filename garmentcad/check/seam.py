@@ -19,14 +19,14 @@ def check_seams(pattern: Pattern, file: str | None) -> Iterator[Finding]:
     for seam in pattern.seams:
         yield from _check_dart(pattern, seam, file) if _is_dart(pattern, seam) else _check_length(pattern, seam, file)
         yield from _check_notches(pattern, seam, file)
-        for use in (*seam.a, *seam.b):
+        for use in seam.b if seam.caught_in is not None else (*seam.a, *seam.b):
             place = (use.panel, use.edge)
             if place in owner:
                 edge = pattern.panels[use.panel].edges[use.edge]
                 also = f"in seam {owner[place]} too" if owner[place] != seam.name else "twice in this seam"
                 yield Finding(
                     "error", "edge-sewn-twice", file, f"seams.{seam.name}", f"edge {use.panel}.{edge.name} ({edge.start} to {edge.end}) is sewn {also}",
-                    "An edge belongs to one seam: take it out of one of them, or split the edge at a new point.",
+                    "An edge belongs to one seam: take it out of one of them, split the edge at a new point, or let a third layer be caught_in the seam.",
                 )  # fmt: skip
             owner.setdefault(place, seam.name)
 

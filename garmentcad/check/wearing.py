@@ -1,12 +1,13 @@
 """Findings on wearing: rings of the garment that are too small for the body inside them, or for what they have to pass when the garment is put on.
 
 Rings are cut from the sewn pattern as it is laid around the body: closed lines around the trunk, the neck, an arm or a leg, measured on the flat panels.
-How far a ring extends follows from the fabric along its every part (`fabric/extension.py`). What a button closes is no ring.
+How far a ring extends follows from the fabric along its every part (`fabric/extension.py`). What a button closes is no ring, and zips are open while a
+garment is put on.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -16,7 +17,7 @@ from garmentcad.analysis.passing import STEP_M, girths_along, hand_girth_mm, hea
 from garmentcad.analysis.section import Chain, Plane, cut
 from garmentcad.check.finding import Finding
 from garmentcad.cloth.cloth import Cloth
-from garmentcad.cloth.weld import weld
+from garmentcad.cloth.weld import weld_seams
 from garmentcad.fabric.extension import extension
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.mannequin.mannequin import Mannequin
@@ -74,17 +75,16 @@ def check_wearing(
     pattern: Pattern, cloth: Cloth, positions: np.ndarray, materials: MaterialTable, body: Mannequin, file: str | None = None
 ) -> Iterator[Finding]:
     """Findings on an unsewn cloth at positions (V,3) m. SpecError where the seams cannot be welded."""
-    worn, worn_at = _sewn(cloth, positions)
+    seams = [seam.name for seam in pattern.seams]
+    worn, put_on = (_sewn(cloth, positions, names) for names in (seams, [seam.name for seam in pattern.seams if seam.closed is None]))
     for part in _parts(body):
-        rings = _rings(pattern, worn, worn_at, part)
-        if rings:
-            yield from _check_ease(rings, part, materials, file)
-            yield from _check_passing(rings, part, materials, file)
+        yield from _check_ease(_rings(pattern, *worn, part), part, materials, file)
+        yield from _check_passing(_rings(pattern, *put_on, part), part, materials, file)
 
 
-def _sewn(cloth: Cloth, positions: np.ndarray) -> tuple[Cloth, np.ndarray]:
-    """The welded cloth, and its particles (P,3) in the middle of the vertices that became one."""
-    sewn, _ = weld(cloth)
+def _sewn(cloth: Cloth, positions: np.ndarray, seams: Collection[str]) -> tuple[Cloth, np.ndarray]:
+    """The cloth with `seams` welded, and its particles (P,3) in the middle of the vertices that became one."""
+    sewn, _ = weld_seams(cloth, seams)
     count = np.bincount(sewn.vertex_particle, minlength=sewn.particle_count)
     middle = [np.bincount(sewn.vertex_particle, positions[:, axis], sewn.particle_count) / count for axis in range(3)]
     return sewn, np.stack(middle, axis=1)

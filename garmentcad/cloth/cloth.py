@@ -128,6 +128,7 @@ class Cloth:
     seam_fold: np.ndarray = field(default_factory=lambda: np.zeros(0))  # (seams,) rad, rest angle of the hinges that welding makes
     seam_bend_factor: np.ndarray = field(default_factory=lambda: np.zeros(0))  # (seams,)
     seam_order: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=np.int32))  # (seams,) int32, the lowest is sewn first
+    seam_layered: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=bool))  # (seams,) bool, whether more than two layers meet in it
     fold_names: tuple[str, ...] = ()  # "panel.fold"
     panel_layer: np.ndarray = field(default_factory=lambda: np.zeros(0, dtype=np.int32))  # (panels,) int32 from the body outward; none: all 0
 

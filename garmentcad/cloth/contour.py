@@ -71,19 +71,29 @@ def sample_contours(pattern: Pattern, grid_mm: float) -> tuple[dict[str, Contour
     for panel in pattern.panels.values():
         _check_lengths(panel)
     fractions: dict[tuple[str, int], np.ndarray] = {}
-    matches = [match_seam(seam, pattern.panels, grid_mm) for seam in pattern.seams]
     owner: dict[tuple[str, int], str] = {}
-    for seam, match in zip(pattern.seams, matches):
-        for use, values in (*zip(seam.a, match.fractions_a), *zip(seam.b, match.fractions_b)):
+    matches: dict[str, SeamMatch] = {}
+    for seam in sorted(pattern.seams, key=lambda seam: seam.caught_in is not None):
+        given = None
+        if seam.caught_in is not None:
+            given = [fractions[use.panel, use.edge] for use in seam.a if owner.get((use.panel, use.edge)) == seam.caught_in]
+            if len(given) < len(seam.a):
+                raise SpecError(f"side a is caught in {seam.caught_in}, but not all of its edges are sewn there", key=f"seams.{seam.name}")
+        match = matches[seam.name] = match_seam(seam, pattern.panels, grid_mm, given)
+        fresh = zip(seam.b, match.fractions_b) if given is not None else (*zip(seam.a, match.fractions_a), *zip(seam.b, match.fractions_b))
+        for use, values in fresh:
             place = (use.panel, use.edge)
             if place in owner:
                 name = pattern.panels[use.panel].edges[use.edge].name
-                raise SpecError(f"edge {use.panel}.{name} is sewn in {owner[place]} and in {seam.name}; an edge belongs to one seam", key=f"seams.{seam.name}")
+                raise SpecError(
+                    f"edge {use.panel}.{name} is sewn in {owner[place]} and in {seam.name}; an edge belongs to one seam, but for a layer that is caught_in it",
+                    key=f"seams.{seam.name}",
+                )
             owner[place] = seam.name
             fractions[place] = values
     contours = {name: _sample_panel(panel, fractions, grid_mm) for name, panel in pattern.panels.items()}
     number = {name: index for index, name in enumerate(pattern.panels)}
-    return contours, [_stitches(seam, match, contours, number) for seam, match in zip(pattern.seams, matches)]
+    return contours, [_stitches(seam, matches[seam.name], contours, number) for seam in pattern.seams]
 
 
 def _sample_panel(panel: Panel, sewn: dict[tuple[str, int], np.ndarray], grid_mm: float) -> Contour:

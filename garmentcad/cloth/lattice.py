@@ -80,6 +80,7 @@ def build_cloth(
     contour_first = first[:-1] + np.array([mesh.lattice_count for mesh in meshes])
     pairs = [np.stack([contour_first[rows[:, 0]] + rows[:, 1], contour_first[rows[:, 2]] + rows[:, 3]], axis=1) for rows in stitches]
     on_contour = np.arange(first[-1]) >= np.repeat(contour_first, sizes)
+    holding = {seam.caught_in for seam in pattern.seams}
     return Cloth(
         spacing=grid_mm * MM_TO_M,
         panel_names=tuple(pattern.panels),
@@ -104,6 +105,7 @@ def build_cloth(
         seam_fold=frozen(floats(np.radians([seam.fold_angle_deg for seam in pattern.seams]))),
         seam_bend_factor=frozen(floats([seam.bend_factor for seam in pattern.seams])),
         seam_order=frozen(indices([seam.order for seam in pattern.seams])),
+        seam_layered=frozen(np.array([seam.tack is not None or seam.caught_in is not None or seam.name in holding for seam in pattern.seams], dtype=bool)),
         fold_names=tuple(f"{name}.{fold.name}" for name, panel in pattern.panels.items() for fold in panel.folds),
         panel_layer=frozen(indices([panel.layer for panel in pattern.panels.values()])),
     )

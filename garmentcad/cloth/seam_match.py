@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
@@ -40,24 +41,56 @@ class _Mark(NamedTuple):
     paired: bool  # both places are given: a notch, an end, or a vertex sewn to one
 
 
-def match_seam(seam: Seam, panels: dict[str, Panel], grid_mm: float) -> SeamMatch:
+def match_seam(seam: Seam, panels: dict[str, Panel], grid_mm: float, given: Sequence[np.ndarray] | None = None) -> SeamMatch:
     """Samples of both sides of a seam.
 
     Notches of the same name on both sides meet, and so do the ends; between them the sides meet at equal fractions of arc length. Every outline vertex
     inside either run is a sample; one that lies within 1 mm of a vertex or notch of the other side is sewn to it. Between samples so found, as many equal
     parts as keep both sides within the grid. Raises SpecError for uses that do not exist, notch names that a side has twice, and notches whose order differs.
+
+    given: for each use of side a the fractions that another seam has chosen; they stay, and side b, a third layer there, follows. SpecError where a corner or
+    notch of b meets none of them.
     """
     a, b = (_side(seam, uses, panels) for uses in (seam.a, seam.b))
     marks = _marks(seam, a, b)
     along_a, along_b = (np.array([getattr(mark, name) for mark in marks]) for name in ("a", "b"))
+    if given is not None:
+        positions_a = _positions(seam.a, a.joints, given)
+        along_a = _onto(along_a, positions_a, seam)
+        return _matched(seam, a, b, positions_a, np.interp(positions_a, along_a, along_b))
     parts = [part_count(max(da, db), grid_mm) for da, db in zip(np.diff(along_a), np.diff(along_b))]
     if seam.tack is not None and len(parts) == 1:
         parts = [max(2, parts[0])]  # one edge would lie on that of the cloth over which the pleat is caught, as a third layer
-    positions_a, positions_b = _fill(along_a, parts), _fill(along_b, parts)
+    return _matched(seam, a, b, _fill(along_a, parts), _fill(along_b, parts))
+
+
+def _matched(seam: Seam, a: _Side, b: _Side, positions_a: np.ndarray, positions_b: np.ndarray) -> SeamMatch:
     joints_a, joints_b = np.searchsorted(positions_a, a.joints), np.searchsorted(positions_b, b.joints)
     return SeamMatch(
         len(positions_a), joints_a, joints_b, _fractions(seam.a, a.joints, joints_a, positions_a), _fractions(seam.b, b.joints, joints_b, positions_b)
     )
+
+
+def _positions(uses: tuple[EdgeUse, ...], joints_mm: np.ndarray, fractions: Sequence[np.ndarray]) -> np.ndarray:
+    """Samples along a run, mm, from the fractions of its edges; the joints to the bit."""
+    pieces = []
+    for k, use in enumerate(uses):
+        along = 1.0 - fractions[k][::-1] if use.reverse else fractions[k]
+        piece = joints_mm[k] + along * (joints_mm[k + 1] - joints_mm[k])
+        piece[0], piece[-1] = joints_mm[k], joints_mm[k + 1]
+        pieces.append(piece[:-1])
+    return np.append(np.concatenate(pieces), joints_mm[-1])
+
+
+def _onto(along: np.ndarray, positions: np.ndarray, seam: Seam) -> np.ndarray:
+    """The samples at which marks along side a stand."""
+    nearest = positions[np.abs(along[:, None] - positions[None, :]).argmin(axis=1)]
+    off = np.abs(nearest - along)
+    if off.max() > _MERGE_MM or len(np.unique(nearest)) < len(nearest):
+        where = along[int(off.argmax())]
+        text = f"a corner or notch {where:.1f} mm along side a meets no stitch of seam {seam.caught_in}; layers that are caught in one seam have corners alike"
+        raise SpecError(text, key=f"seams.{seam.name}")
+    return nearest
 
 
 def part_count(length_mm: float, grid_mm: float) -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -89,10 +90,9 @@ def _seam_hinges(cloth: Cloth, particle: np.ndarray) -> Hinges:
     candidates = np.flatnonzero(alone)
     candidates = candidates[np.argsort(after[candidates], kind="stable")]
     _, start, size = np.unique(after[candidates], return_index=True, return_counts=True)
-    if np.any(size > 2):
-        vertex = cloth.vertex_uv_mm[np.flatnonzero(cloth.vertex_particle == ends[candidates[start[size > 2][0]], 0])[0]]
-        raise SpecError(f"three or more panels are sewn to one edge near ({vertex[0]:.1f}, {vertex[1]:.1f}) mm", key="seams")
-    pairs = np.stack([candidates[start[size == 2]], candidates[start[size == 2] + 1]], axis=1)
+    # Of layers that are caught in one seam those pairs count that stitches join.
+    several = [(start[size == many], pair) for many in np.unique(size[size > 1]).tolist() for pair in combinations(range(many), 2)]
+    pairs = np.concatenate([np.empty((0, 2), candidates.dtype), *(candidates[first[:, None] + pair] for first, pair in several)])
     seam, first_is_a = _seam_of(cloth, particle, ends, pairs)
     pairs, seam = np.where(first_is_a[:, None], pairs, pairs[:, ::-1])[seam >= 0], seam[seam >= 0]
     order = np.lexsort((ends[pairs[:, 0], 0], seam)) if len(pairs) else np.arange(0)

@@ -88,6 +88,8 @@ def _seam_cuts(pattern: Pattern) -> dict[tuple[str, int], np.ndarray]:
     """Fractions at which edges are cut so that the two sides of every seam have pieces that meet one to one."""
     cuts: dict[tuple[str, int], np.ndarray] = {}
     for seam in pattern.seams:
+        if seam.caught_in is not None:
+            raise SpecError(f"side b is caught in seam {seam.caught_in} as a third layer; GarmentCode's stitches join two", key=f"seams.{seam.name}.caught_in")
         match = match_seam(seam, pattern.panels, math.inf)  # samples at marks alone
         for use, fractions in (*zip(seam.a, match.fractions_a), *zip(seam.b, match.fractions_b)):
             if (use.panel, use.edge) in cuts:

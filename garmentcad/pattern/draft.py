@@ -19,7 +19,7 @@ from garmentcad.pattern.pleats import cut_pleats, pleat_seam
 from garmentcad.pattern.region import draft_regions
 from garmentcad.pattern.runs import draft_seam
 from garmentcad.pattern.scope import Scope, make_scope
-from garmentcad.pattern.spec import GarmentSpec, MirroredPanelSpec, PanelSpec, PlacementSpec
+from garmentcad.pattern.spec import GarmentSpec, MirroredPanelSpec, PanelSpec, PlacementSpec, ZipSpec
 
 
 def draft(spec: GarmentSpec, measurements_mm: Mapping[str, float], values: Mapping[str, float] | None = None) -> Pattern:
@@ -63,6 +63,7 @@ def draft_errors(spec: GarmentSpec, measurements_mm: Mapping[str, float], values
             except InputError as fault:
                 keep(fault)
     seams: list[Seam] = []
+    holding = [seam.name for seam in spec.seams if seam.caught_in is None] + [closure.name for closure in spec.closures if isinstance(closure, ZipSpec)]
     for k, seam in enumerate(spec.seams):
         named = {text.split(".")[0] for side in (seam.a, seam.b) for run in ([side] if isinstance(side, tuple) else side) for text in run}
         if named & (spec.panels.keys() - panels.keys()):
@@ -70,6 +71,9 @@ def draft_errors(spec: GarmentSpec, measurements_mm: Mapping[str, float], values
         try:
             if any(other.name == seam.name for other in seams):
                 raise SpecError(f"a second seam is called {seam.name!r}; names of seams differ", key=f"seams.{k}.name")
+            if seam.caught_in is not None and seam.caught_in not in holding:
+                text = f"no seam that is itself not caught in another is called {seam.caught_in!r}{did_you_mean(seam.caught_in, holding)}"
+                raise SpecError(text, key=f"seams.{k}.caught_in")
             seams.append(draft_seam(seam, panels, scope, f"seams.{k}"))
         except InputError as fault:
             keep(fault)

@@ -67,7 +67,8 @@ def put_on(name: str, patterns: Sequence[Pattern], mannequin: str) -> Pattern:
         for seam in pattern.seams:
             a, b = (tuple(_moved(pattern, use) for use in side) for side in (seam.a, seam.b))
             tack = seam.tack and _moved(pattern, seam.tack)
-            seams.append(replace(seam, name=_named(pattern, seam.name), a=a, b=b, tack=tack))
+            caught_in = seam.caught_in and _named(pattern, seam.caught_in)
+            seams.append(replace(seam, name=_named(pattern, seam.name), a=a, b=b, tack=tack, caught_in=caught_in))
         pins += [replace(pin, name=_named(pattern, pin.name), at=_moved(pattern, pin.at)) for pin in pattern.pins]
         for button in pattern.buttons:
             buttons.append(Button(_named(pattern, button.name), _moved(pattern, button.button), _moved(pattern, button.buttonhole)))

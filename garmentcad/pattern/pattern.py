@@ -123,7 +123,8 @@ class EdgeUse:
 class Seam:
     """Side a is sewn to side b, the first point of a to the first of b. ease: length of a over length of b minus 1, as intended.
     closed: part of a zip that is closed, from the first points on; None for a seam. order: it is sewn when all seams of a lower order are closed. tack: of a
-    pleat, the edge piece to whose start, along the outline, the last point of both sides is sewn."""
+    pleat, the edge piece to whose start, along the outline, the last point of both sides is sewn. caught_in: the seam that sews the edges of side a already;
+    side b is its third layer."""
 
     name: str
     a: tuple[EdgeUse, ...]
@@ -135,6 +136,7 @@ class Seam:
     closed: float | None = None
     order: int = 1
     tack: EdgeUse | None = None
+    caught_in: str | None = None
 
 
 @dataclass(frozen=True)

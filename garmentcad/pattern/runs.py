@@ -21,6 +21,7 @@ def draft_seam(spec: SeamSpec, panels: Mapping[str, Panel], scope: Scope, key: s
         scope.number(spec.bend_factor, f"{key}.bend_factor", 0.0, 1000.0),
         None if spec.strength is None else scope.positive(spec.strength, f"{key}.strength"),
         order=spec.order,
+        caught_in=spec.caught_in,
     )
 
 

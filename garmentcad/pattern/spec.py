@@ -310,6 +310,7 @@ class SeamSpec(Model):
     """Side a sewn to side b; the first point of a meets the first of b. A side is one run [first, last] or a list of runs.
 
     ease: length of a over length of b minus 1, as intended; fold_angle: degrees at rest, 0 is flat; strength: N/m; order: when it is sewn, 1 is first.
+    caught_in: the seam that sews the edges of side a already; side b, such as that of a lining, is caught in it as a third layer.
     """
 
     name: Name
@@ -320,6 +321,7 @@ class SeamSpec(Model):
     bend_factor: Number = 2.0
     strength: Number | None = None
     order: Whole = Field(default=1, ge=1, le=9)
+    caught_in: Name | None = None
 
 
 class PinSpec(Model):

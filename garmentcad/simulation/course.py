@@ -18,7 +18,7 @@ from garmentcad.units import GRAVITY_M_S2
 
 STEPS_PER_LOOK = 2 * STEPS_PER_ESTIMATE  # a phase begins with a fresh time step
 CLOSED_M = 0.1e-3  # seams are welded below this gap
-CAUGHT_M = 0.5e-3  # and the depth of pleats, three layers whose contact holds them a few tenths apart as long as they are three
+CAUGHT_M = 0.5e-3  # and where more than two layers meet, whose contact holds them a few tenths apart as long as they are not one
 CLOSING_RATE = 14.0  # 1/s, of the dynamic constraints
 # The floor of the closing speed. A row demands its speed both ways, so that it also holds back what would close faster: two ends in a crease of the body, where
 # its walls turn the pull of the cloth aside, then stand still with all the force that closes them taken up. After a while the floor doubles with every tenth.

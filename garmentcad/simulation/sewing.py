@@ -111,7 +111,7 @@ def _close(dynamics: Dynamics, state: State, hardware: PointRows, chosen: np.nda
     rows = joined_rows(stitch_rows(cloth.stitches[chosen], names), hardware)
     dynamics.constraint = ConstraintPoints(rows, dynamics.inverse_masses, CLOSING_RATE, pull, CLOSING_LEAST_M_S, nodes)
     _make_room(state, rows)
-    caught = np.where(cloth.seam_bend_factor[cloth.stitch_seam[chosen]] > 0.0, 0.0, CAUGHT_M)  # the depth of a pleat gets no hinge
+    caught = np.where(cloth.seam_layered[cloth.stitch_seam[chosen]], CAUGHT_M, 0.0)
     dynamics.equalise, dynamics.drag = True, CLOSING_DRAG
     dynamics.speed_cap_m_s = SPEED_CAP_M_S
     while True:
