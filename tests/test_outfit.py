@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import ipctk
 import numpy as np
@@ -18,8 +19,11 @@ from garmentcad.io.outfit_file import read_worn
 from garmentcad.io.shipped import shipped_file
 from garmentcad.pattern.outfit import LAYER_MM, OutfitSpec, below
 from garmentcad.pattern.pattern import Wrap
+from garmentcad.simulation import run
+from garmentcad.simulation.course import CLOSING_OVER_N_M, CLOSING_PULL_N_M
 from garmentcad.simulation.job import make_job
 from garmentcad.simulation.materials import lay_out
+from garmentcad.simulation.sewing import Welding, close_seams
 
 OUTFIT = """\
 schema: 1
@@ -54,8 +58,16 @@ def test_outer_garments_begin_farther_out_and_keep_their_own_names(folder: Path)
     assert [seam.name for seam in inner.seams] == ["band-side_left", "band-side_right"]
 
 
-def test_worn_over_each_other(folder: Path) -> None:
+def test_worn_over_each_other(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pulls: list[float] = []
+
+    def close(*given: Any) -> Welding:
+        pulls.append(given[-1])
+        return close_seams(*given)
+
+    monkeypatch.setattr(run, "close_seams", close)
     result = drape(folder / "outfit.yaml", grid_mm=30.0)
+    assert pulls == [CLOSING_PULL_N_M, CLOSING_OVER_N_M], "what is put on over something is closed by hand over it"
     assert (result.report["status"], result.report["self_intersections"]) == ("converged", 0)
     cloth, positions = result.cloth, result.state.positions
     mesh = ipctk.CollisionMesh(positions, ipctk.edges(cloth.particle_triangles), cloth.particle_triangles)
@@ -119,7 +131,7 @@ def test_one_fabric_for_all_is_refused(folder: Path) -> None:
         make_job(folder / "outfit.yaml", "denim")
 
 
-@pytest.mark.parametrize("name", ["over-the-skirt"])
+@pytest.mark.parametrize("name", ["over-the-skirt", "tucked-in"])
 def test_shipped_outfits_read(name: str) -> None:
     read = read_worn(shipped_file("outfits", name))
     assert isinstance(read, tuple)

@@ -113,6 +113,24 @@ def three_squares(height_mm: float = 0.0) -> tuple[Dynamics, State]:
     return dynamics, state
 
 
+def test_no_stitch_pulls_harder_than_it_may() -> None:
+    """Per length of seam: 0.05 N/m are 1 mN for stitches 20 mm apart. Unasked they pull harder."""
+    largest = []
+    for pull in ({"pull_n_m": 0.05}, {}):
+        dynamics, state = three_squares()
+        seen: list[float] = []
+        close_seams(
+            dynamics,
+            state,
+            NO_HARDWARE,
+            lambda progress, state=state, seen=seen: seen.append(float(np.linalg.norm(state.constraint_forces, axis=1).max())),
+            **pull,
+        )
+        largest.append(max(seen))
+    assert largest[0] == pytest.approx(1e-3, rel=1e-9)
+    assert largest[1] > 5e-3
+
+
 def test_seams_of_a_higher_order_wait_until_those_before_them_are_closed() -> None:
     """Three squares in a row: the third lies as it was placed until the first two are one, and these stay so while it comes."""
     dynamics, state = three_squares()

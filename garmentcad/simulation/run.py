@@ -35,7 +35,7 @@ from garmentcad.pattern.outfit import below
 from garmentcad.pattern.pattern import Panel
 from garmentcad.placement.place import place_vertices
 from garmentcad.simulation.checkpoint import load_state, save_state
-from garmentcad.simulation.course import LOOSE_SOFTNESS, SOFTNESS, Course, Progress
+from garmentcad.simulation.course import CLOSING_OVER_N_M, CLOSING_PULL_N_M, LOOSE_SOFTNESS, SOFTNESS, Course, Progress
 from garmentcad.simulation.job import Job
 from garmentcad.simulation.materials import lay_out
 from garmentcad.simulation.pressing import imposed_angles, laid_angles, press, under_iron
@@ -202,7 +202,8 @@ class _Run:
             dynamics.start(self.state)
         self._begin(dynamics)
         try:
-            welding = close_seams(dynamics, self.state, self._hardware(start), self.keep)
+            pull = CLOSING_OVER_N_M if len(self.job.worn) > 1 else CLOSING_PULL_N_M
+            welding = close_seams(dynamics, self.state, self._hardware(start), self.keep, pull)
         except (DivergedError, IntersectingError) as error:
             self.warnings.append(str(error))
             return self._outcome(flat, start, dynamics, error.status)

@@ -70,10 +70,10 @@ class Welding:
         return cls(gaps, run.get(_SPEED), tuple(key.removeprefix(_REDUNDANT) for key in run if key.startswith(_REDUNDANT)))
 
 
-def close_seams(dynamics: Dynamics, state: State, hardware: PointRows, look: Callable[[Progress], None]) -> Welding:
+def close_seams(dynamics: Dynamics, state: State, hardware: PointRows, look: Callable[[Progress], None], pull_n_m: float = CLOSING_PULL_N_M) -> Welding:
     """Pull the stitches of `dynamics.cloth` (without gravity), and what pins and buttons hold, together until every gap is closed or the cap is reached:
     first those of the lowest order, which then hold while the next ones close. A panel whose first seam has not come yet is held where it was placed, and with
-    it the pins and buttons on it: what closes before would knock it about."""
+    it the pins and buttons on it: what closes before would knock it about. pull_n_m: largest force of a stitch, per length of seam."""
     cloth = dynamics.cloth
     turns = first_orders(cloth)
     order, held = cloth.seam_order[cloth.stitch_seam], row_orders(hardware, turns)
@@ -83,7 +83,7 @@ def close_seams(dynamics: Dynamics, state: State, hardware: PointRows, look: Cal
             state.run |= {_ORDER: float(now), _FROM: state.time_s}
         dynamics.hold_still(turns > now)
         late = np.concatenate([order[order <= now], held[held <= now]]) < now
-        welding = _close(dynamics, state, rows_where(hardware, held <= now), np.flatnonzero(order <= now), late, look)
+        welding = _close(dynamics, state, rows_where(hardware, held <= now), np.flatnonzero(order <= now), late, look, pull_n_m * cloth.spacing)
     return welding
 
 
@@ -103,11 +103,14 @@ def row_orders(rows: PointRows, turns: np.ndarray) -> np.ndarray:
     return orders
 
 
-def _close(dynamics: Dynamics, state: State, hardware: PointRows, chosen: np.ndarray, late: np.ndarray, look: Callable[[Progress], None]) -> Welding:
-    """Close the `chosen` stitches. late: (R,) bool of their rows and those of the hardware, which were closed before: they hold with all that closed them."""
+def _close(
+    dynamics: Dynamics, state: State, hardware: PointRows, chosen: np.ndarray, late: np.ndarray, look: Callable[[Progress], None], pull: float
+) -> Welding:
+    """Close the `chosen` stitches with forces up to `pull` N. late: (R,) bool of their rows and those of the hardware, which were closed before: they hold with
+    all that closed them."""
     cloth, since = dynamics.cloth, state.run[_FROM]
     names = tuple(cloth.seam_names[k] for k in cloth.stitch_seam[chosen])
-    pull, nodes, sewn = CLOSING_PULL_N_M * cloth.spacing, dynamics.contact.nodes, len(names)
+    nodes, sewn = dynamics.contact.nodes, len(names)
     rows = joined_rows(stitch_rows(cloth.stitches[chosen], names), hardware)
     dynamics.constraint = ConstraintPoints(rows, dynamics.inverse_masses, CLOSING_RATE, pull, CLOSING_LEAST_M_S, nodes)
     _make_room(state, rows)
