@@ -118,6 +118,16 @@ def _apart(boxes, node, low, high):  # type: ignore[no-untyped-def]
 
 
 @kernel
+def _beyond(nodes, positions, low, high):  # type: ignore[no-untyped-def]
+    a, b, c = nodes
+    for axis in range(3):
+        x, y, z = positions[a, axis], positions[b, axis], positions[c, axis]
+        if min(x, y, z) > high[axis] or max(x, y, z) < low[axis]:
+            return True
+    return False
+
+
+@kernel
 def _distance2(kind, one, other, own, theirs):  # type: ignore[no-untyped-def]
     if kind == POINT_TRIANGLE:
         return point_triangle(row(own, one[0]), row(theirs, other[0]), row(theirs, other[1]), row(theirs, other[2]))[3]
@@ -140,22 +150,24 @@ def _near_of(places, search, sides, tree, positions, rows, found):  # type: igno
     (kind, reach), (queries, items), (own, theirs) = search, sides, positions
     leaves, count = len(tree.boxes) // 2, len(tree.order)
     for place in range(places[0], places[1]):
-        query = rows[place]
+        # Among themselves: each element looks at those after it in the tree, from its own leaf on.
+        slot_before = rows[place] if kind == EDGE_EDGE_ONCE else -1
+        query = tree.order[slot_before] if kind == EDGE_EDGE_ONCE else rows[place]
         nodes, twins = row(queries.nodes, query), row(queries.identity, query)
         a, b, c = row(own, nodes[0]), row(own, nodes[1]), row(own, nodes[2])
         low = (min(a[0], b[0], c[0]) - reach, min(a[1], b[1], c[1]) - reach, min(a[2], b[2], c[2]) - reach)
         high = (max(a[0], b[0], c[0]) + reach, max(a[1], b[1], c[1]) + reach, max(a[2], b[2], c[2]) + reach)
         hits = 0
-        node = 1
+        node = leaves + ((slot_before + 1) * leaves + count - 1) // count - 1 if kind == EDGE_EDGE_ONCE else 1
         while True:
             apart = _apart(tree.boxes, node, low, high)
             if not apart and node < leaves:
                 node *= 2
                 continue
             if not apart:
-                for slot in range((node - leaves) * count // leaves, (node - leaves + 1) * count // leaves):
+                for slot in range(max(slot_before + 1, (node - leaves) * count // leaves), (node - leaves + 1) * count // leaves):
                     item = tree.order[slot]
-                    if (kind == EDGE_EDGE_ONCE and item <= query) or _share(twins, row(items.identity, item)):
+                    if _beyond(row(items.nodes, item), theirs, low, high) or _share(twins, row(items.identity, item)):
                         continue
                     if _distance2(kind, nodes, row(items.nodes, item), own, theirs) <= reach * reach:
                         hits += 1
@@ -173,7 +185,8 @@ def _near_of(places, search, sides, tree, positions, rows, found):  # type: igno
 
 @parallel_kernel
 def _near(kind, reach, queries, items, tree, positions, rows, found):  # type: ignore[no-untyped-def]
-    """For each query element of `rows` the items within reach, rising: found (R,1+K), first their number. A number above K says that it overflowed."""
+    """For each query element of `rows` (of edges among themselves: for each slot of the tree) the items within reach, rising: found (R,1+K), first their
+    number. A number above K says that it overflowed."""
     for chunk in prange(CHUNKS):
         _near_of(chunk_range(chunk, len(rows)), (kind, reach), (queries, items), tree, positions, rows, found)
 
@@ -195,4 +208,8 @@ def near_pairs(kind: int, reach: float, queries: Elements, items: Elements, tree
         parts.append(np.stack([np.repeat(rows[kept], counts[kept]), found[kept, 1:][filled]], axis=1))
         rows, width = rows[counts > width], int(counts.max())
     pairs = np.concatenate(parts) if parts else np.zeros((0, 2), dtype=np.int32)
+    if kind == EDGE_EDGE_ONCE:
+        pairs[:, 0] = tree.order[pairs[:, 0]]
+        pairs.sort(axis=1)
+        return indices(pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))])
     return indices(pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))] if len(parts) > 1 else pairs)

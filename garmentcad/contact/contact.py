@@ -21,14 +21,13 @@ from garmentcad.contact.cloth import ClothElements
 from garmentcad.contact.elements import LEAST_GAP, largest_around
 from garmentcad.contact.pairs import (
     Pairs,
+    by_distance,
     carry_over,
     fastest_of,
     joined,
     keep_apart,
     make_pairs,
-    pairs_in_reach,
     room_for,
-    sorted_by_slack,
     stop_collisions,
     take_stand,
 )  # fmt: skip
@@ -42,9 +41,7 @@ from garmentcad.units import MM_TO_M
 
 # Of the lattice spacing: the way of any node that one detection covers. The neighbours in a lattice stand 0.7 spacings apart; up to there pairs are few.
 _ACROSS, _COVERED_LEAST = 0.7, 0.125
-_USED = 0.005  # of the spacing: way since detection below which slack is as good as new
 SURGE = 1.5  # fastest speed after a response, in fastest speeds before it, up to which the candidates in reach were chosen right
-_WORTH = 1000  # pairs in reach above which it pays to measure the slack of all anew (see `refresh`)
 
 
 @kernel
@@ -59,7 +56,7 @@ def farthest(positions, home):  # type: ignore[no-untyped-def]
 @long_kernel
 def go_with_body(contact, leg, since, motion):  # type: ignore[no-untyped-def]
     """Set the body's velocities for the step that begins `since` s into the leg, and bring the planes to where the body is. Arguments as of `respond`."""
-    surface, _, _, _, planes, _, _, pace, _ = contact
+    surface, _, _, _, planes, _, _, pace, _, _ = contact
     positions, velocities, _, time_step = motion
     set_pace(leg, since, time_step, len(planes.held), positions, velocities, pace)
     carry(planes, surface.faces, positions, velocities, time_step)
@@ -73,13 +70,13 @@ def respond(contact, motion, way, covered, fastest):  # type: ignore[no-untyped-
     covered: m, that the candidates serve; fastest: m/s. Returns the part of the step that is safe, the pair that limits it (-1: none), the work of friction on
     the cloth, J, and the fastest speed.
     """
-    surface, tree, largest, grip, planes, pairs, stand, pace, out = contact
+    surface, tree, largest, grip, planes, pairs, stand, pace, out, path = contact
     positions, velocities, inverse_masses, time_step = motion
     work, part, worst = 0.0, 1.0, -1
     reach = SURGE * fastest
-    count = pairs_in_reach(pairs, way + reach * time_step)
+    count = take_stand(pairs, path[0], reach * time_step, positions, velocities, time_step, stand)
     if count > 0:
-        work += keep_apart(count, pairs, stand, planes, grip, motion)
+        work += keep_apart(count, pairs, stand, planes, grip, fastest, motion)
     respond_planes(surface, tree, largest, planes, grip, positions, velocities, inverse_masses, time_step, pace, out)
     square = 0.0
     for chunk in range(len(out)):
@@ -88,8 +85,7 @@ def respond(contact, motion, way, covered, fastest):  # type: ignore[no-untyped-
     speed = max(np.sqrt(square), pace[2])
     if speed > reach:
         reach = min(speed, (covered - way) / time_step)
-        count = pairs_in_reach(pairs, way + reach * time_step)
-        take_stand(count, pairs, positions, velocities, time_step, stand)
+        count = take_stand(pairs, path[0], reach * time_step, positions, velocities, time_step, stand)
     if count > 0:
         part, worst, touched = stop_collisions(count, pairs, stand, planes, reach, motion)
         if touched:
@@ -97,6 +93,7 @@ def respond(contact, motion, way, covered, fastest):  # type: ignore[no-untyped-
     # Impulses near held or heavy particles throw light ones: these go as far as pairs were looked at, and no farther.
     if part * speed > reach:
         part = reach / speed
+    path[0] += part * speed * time_step
     return part, worst, work, speed
 
 
@@ -204,13 +201,6 @@ class Contact:
         self._find_pairs(state, reserve_m)
         return True
 
-    def refresh(self, state: State) -> None:
-        """Measure the slack of the pairs anew where much of it is used up, so that few of them are looked at in each step."""
-        self.load(state)
-        way, pairs = farthest(self.positions, state.contact["pair_home"]), load_pairs(state)
-        if way > _USED * self._spacing and pairs_in_reach(pairs, way) > _WORTH + 2 * pairs_in_reach(pairs, 0.0):
-            self._store(state, pairs, float(state.contact["pair_covered"][0]) - way)
-
     def respond(self, state: State, time_step_s: float) -> float:
         """Correct `state.velocities` in place for a step; add the work of friction to `state.work_j`. Returns the part of the step that is safe."""
         self.place(state, time_step_s)
@@ -235,7 +225,7 @@ class Contact:
         if self._stand_for is not pairs.nodes:
             self._stand, self._stand_for = room_for(pairs, self.nodes), pairs.nodes
         planes, pace = self._planes(state), state.contact["body_pace"]
-        return self._surface, self._tree, self._largest, self._grip, planes, pairs, self._stand, pace, self._out
+        return self._surface, self._tree, self._largest, self._grip, planes, pairs, self._stand, pace, self._out, state.contact["pair_path"]
 
     @staticmethod
     def _planes(state: State) -> Planes:
@@ -274,12 +264,12 @@ class Contact:
 
     def _store(self, state: State, pairs: Pairs, covered: float) -> None:
         self.load(state)
-        pairs = sorted_by_slack(pairs, self.positions)
+        pairs = by_distance(pairs, self.positions)
         if "pair_nodes" in state.contact:
-            carry_over(load_pairs(state), pairs)
+            carry_over(load_pairs(state), float(state.contact["pair_path"][0]), pairs)
         state.contact |= {f"pair_{key}": array for key, array in pairs._asdict().items()}
         home = state.positions if self._path is None else self.positions
-        state.contact["pair_home"], state.contact["pair_covered"] = home.copy(), np.array([covered])
+        state.contact |= {"pair_home": home.copy(), "pair_covered": np.array([covered]), "pair_path": np.zeros(1)}
 
 
 def load_pairs(state: State) -> Pairs:

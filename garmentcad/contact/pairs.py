@@ -28,18 +28,19 @@ _GENTLE_ROUNDS = 12  # of them with impulses along the normal; then colliding no
 _ADVANCES = 64  # of the continuous test, at most
 KEPT = 0.2  # share of its distance that a pair keeps within a step, whatever happens
 _PARALLEL = 0.05  # sine below which the common normal of two edges says nothing
-_SETTLED = 1e-8  # m/s, change of relative velocity at which the impulses have converged
+# Change of relative velocity at which the impulses have converged: m/s, far below what the rest test sees, or this share of the fastest speed.
+_SETTLED, _SETTLED_SHARE = 1e-8, 1e-5
 
 
 class Pairs(NamedTuple):
-    """The candidates of one detection, by rising slack."""
+    """The candidates of one detection, by their distance then."""
 
     nodes: np.ndarray  # (N,4) int32
     kind: np.ndarray  # (N,) int32 VERTEX_TRIANGLE or EDGE_EDGE
     gap: np.ndarray  # (N,) m
     friction: np.ndarray  # (N,)
     moving: np.ndarray  # (N,) 2.0 where both elements move, 1.0 where one belongs to a body that never does
-    slack: np.ndarray  # (N,) m, way of the fastest node since detection after which the pair may matter
+    due: np.ndarray  # (N,) m, path of the fastest nodes since detection at which the pair may matter; later as it is looked at
     side: np.ndarray  # (N,) +1 or -1, 0 while unknown; changes as the pair moves
     impulse: np.ndarray  # (N,4) N.s along the normal, then of friction; of the last step
 
@@ -51,8 +52,11 @@ class Stand(NamedTuple):
     normal: np.ndarray  # (N,3) from the second element to the first
     distance: np.ndarray  # (N,) m along the normal; negative for a pair that came through
     active: np.ndarray  # (N,) bool, may come below its gap in the step
+    looked: np.ndarray  # (N,) int32, the pairs that were due in this step
     chosen: np.ndarray  # (N,) int32, room for the active ones
     free: np.ndarray  # (nodes,3) m/s, room for the velocities of their nodes free of planes
+    stirred: np.ndarray  # (nodes,) int32, room for the visit that last changed a node's velocity
+    visited: np.ndarray  # (N,) int32, room for the last visit to a pair
 
 
 @kernel
@@ -88,8 +92,9 @@ def _four(points, nodes):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _stand_range(span, pairs, positions, velocities, time_step, stand):  # type: ignore[no-untyped-def]
-    for n in range(span[0], span[1]):
+def _stand_range(span, pairs, path, positions, velocities, time_step, stand):  # type: ignore[no-untyped-def]
+    for place in range(span[0], span[1]):
+        n = stand.looked[place]
         kind, nodes = pairs.kind[n], _row4(pairs.nodes, n)
         a, b, c, d = _four(positions, nodes)
         weights, apart, inside = closest_points(kind, a, b, c, d)
@@ -102,6 +107,7 @@ def _stand_range(span, pairs, positions, velocities, time_step, stand):  # type:
             sharp = dot(facing, facing) > _PARALLEL * _PARALLEL * dot(e, e) * dot(f, f)
         facing = unit(facing)
         distance = math.sqrt(dot(apart, apart))
+        spare = max(0.0, (distance - NEARLY * pairs.gap[n]) / pairs.moving[n])
         height = dot(apart, facing)
         if pairs.side[n] == 0.0 or not inside or not sharp or distance > 0.5 * pairs.gap[n]:
             pairs.side[n] = 1.0 if height >= 0.0 else -1.0
@@ -118,13 +124,27 @@ def _stand_range(span, pairs, positions, velocities, time_step, stand):  # type:
             stand.normal[n, axis] = normal[axis]
         stand.distance[n] = distance
         stand.active[n] = distance + time_step * closing < NEARLY * pairs.gap[n]
+        pairs.due[n] = path if stand.active[n] else path + spare
 
 
 @parallel_kernel
-def take_stand(count, pairs, positions, velocities, time_step, stand):  # type: ignore[no-untyped-def]
-    """Stand of the first `count` pairs."""
+def _take_stand(count, pairs, path, positions, velocities, time_step, stand):  # type: ignore[no-untyped-def]
     for chunk in prange(CHUNKS):
-        _stand_range(chunk_range(chunk, count), pairs, positions, velocities, time_step, stand)
+        _stand_range(chunk_range(chunk, count), pairs, path, positions, velocities, time_step, stand)
+
+
+@kernel
+def take_stand(pairs, path, reach, positions, velocities, time_step, stand):  # type: ignore[no-untyped-def]
+    """Stand of the pairs that are due in a step in which no node goes farther than `reach` m, after a `path` m since detection; they are the first of
+    `stand.looked`. Returns their number."""
+    count = 0
+    for n in range(len(pairs.due)):
+        stand.looked[count] = n
+        if pairs.due[n] <= path + reach:
+            count += 1
+    if count > 0:
+        _take_stand(count, pairs, path, positions, velocities, time_step, stand)
+    return count
 
 
 @kernel
@@ -142,30 +162,23 @@ def _push(nodes, weights, impulse, planes, motion):  # type: ignore[no-untyped-d
 
 
 @kernel
-def _enter(nodes, planes, grip, motion, free):  # type: ignore[no-untyped-def]
-    """Begin with the four nodes of a pair: their velocities so far are free of planes."""
-    positions, velocities, _, time_step = motion
+def _impel(nodes, weights, impulse, inverse_masses, free):  # type: ignore[no-untyped-def]
+    """Impulse on the four nodes of a pair, in their velocities free of planes."""
     for corner in range(4):
         node = nodes[corner]
-        if node < len(planes.held) and planes.held[node] > 0:
-            v, _ = held(node, planes, grip.friction[node], row(positions, node), row(free, node), time_step)
-            velocities[node, 0], velocities[node, 1], velocities[node, 2] = v
+        u = along(row(free, node), impulse, weights[corner] * inverse_masses[node])
+        free[node, 0], free[node, 1], free[node, 2] = u
 
 
 @kernel
-def _impel(nodes, weights, impulse, planes, grip, motion, free):  # type: ignore[no-untyped-def]
-    """Impulse on the four nodes of a pair. What planes take, with friction, is no impulse of the pair: it comes back when the pair presses less. So it is
-    taken anew from the velocity without it, `free`; and where pairs are content, the planes' own response afterwards changes nothing."""
+def _settle(node, planes, grip, motion, free):  # type: ignore[no-untyped-def]
+    """Velocity of a node after its planes. What they take, with friction, is no impulse of a pair: it comes back when the pair presses less. So it is taken
+    anew from the velocity without it, `free`; and where pairs are content, the planes' own response afterwards changes nothing."""
     positions, velocities, inverse_masses, time_step = motion
-    for corner in range(4):
-        node = nodes[corner]
-        if inverse_masses[node] == 0.0:
-            continue
-        u = along(row(free, node), impulse, weights[corner] * inverse_masses[node])
-        free[node, 0], free[node, 1], free[node, 2] = u
-        if planes.held[node] > 0:
-            u, _ = held(node, planes, grip.friction[node], row(positions, node), u, time_step)
-        velocities[node, 0], velocities[node, 1], velocities[node, 2] = u
+    u = row(free, node)
+    if node < len(planes.held) and planes.held[node] > 0 and inverse_masses[node] > 0.0:
+        u, _ = held(node, planes, grip.friction[node], row(positions, node), u, time_step)
+    velocities[node, 0], velocities[node, 1], velocities[node, 2] = u
 
 
 @kernel
@@ -184,36 +197,52 @@ def _give(nodes, weights, inverse_masses):  # type: ignore[no-untyped-def]
 
 
 @long_kernel
-def _solve(count, pairs, stand, planes, grip, motion):  # type: ignore[no-untyped-def]
-    """Sweeps of inelastic impulses with Coulomb friction over the active ones of the first `count` pairs, in their order.
+def keep_apart(count, pairs, stand, planes, grip, fastest, motion):  # type: ignore[no-untyped-def]
+    """Correct velocities in place so that the first `count` pairs of `stand.looked` keep their gaps over the step, or come back to them gently: sweeps of
+    inelastic impulses with Coulomb friction over the active ones, in their order.
 
-    Returns the work of friction on the nodes, J.
+    fastest: m/s, of all nodes; motion: positions, velocities (N,3), inverse masses (N,) of particles and body vertices, time step. Returns the work of
+    friction on the nodes, J, negative.
     """
     _, velocities, inverse_masses, time_step = motion
-    chosen, many, free = stand.chosen, 0, stand.free
-    for n in range(count):
+    chosen, many, free, stirred = stand.chosen, 0, stand.free, stand.stirred
+    for place in range(count):
+        n = stand.looked[place]
         if stand.active[n]:
             _copy_rows(_row4(pairs.nodes, n), velocities, free)
-    for n in range(count):
-        if stand.active[n]:
-            _enter(_row4(pairs.nodes, n), planes, grip, motion, free)
-    for n in range(count):
+            for node in _row4(pairs.nodes, n):
+                stirred[node] = -1
+    for place in range(count):
+        n = stand.looked[place]
         if stand.active[n] and _give(_row4(pairs.nodes, n), _row4(stand.weights, n), inverse_masses) > 0.0:
-            chosen[many] = n
+            chosen[many], stand.visited[n] = n, 0
             many += 1
             # The start: the impulses of the last step.
             normal, before = row(stand.normal, n), _row4(pairs.impulse, n)
             slide = (before[1], before[2], before[3])
             slide = along(slide, normal, -dot(slide, normal))
             pairs.impulse[n, 1], pairs.impulse[n, 2], pairs.impulse[n, 3] = slide
-            _impel(_row4(pairs.nodes, n), _row4(stand.weights, n), along(slide, normal, before[0]), planes, grip, motion, free)
+            _impel(_row4(pairs.nodes, n), _row4(stand.weights, n), along(slide, normal, before[0]), inverse_masses, free)
         else:
             pairs.impulse[n, 0] = pairs.impulse[n, 1] = pairs.impulse[n, 2] = pairs.impulse[n, 3] = 0.0
+    for place in range(count):
+        n = stand.looked[place]
+        if stand.active[n]:
+            for node in _row4(pairs.nodes, n):
+                if stirred[node] < 0:
+                    stirred[node] = 0
+                    _settle(node, planes, grip, motion, free)
+    # A pair is content until a node of it is stirred: most are after the first visits, a few that hang together go on.
+    visit, settled = 0, max(_SETTLED, _SETTLED_SHARE * fastest)
     for _ in range(_SWEEPS if many > 0 else 0):
-        largest = 0.0
+        before_sweep = visit
         for c in range(many):
             n = chosen[c]
             nodes, weights = _row4(pairs.nodes, n), _row4(stand.weights, n)
+            if max(stirred[nodes[0]], stirred[nodes[1]], stirred[nodes[2]], stirred[nodes[3]]) < stand.visited[n]:
+                continue
+            visit += 1
+            stand.visited[n] = visit
             normal = row(stand.normal, n)
             give = _give(nodes, weights, inverse_masses)
             p, q, r, s = _four(velocities, nodes)
@@ -234,9 +263,13 @@ def _solve(count, pairs, stand, planes, grip, motion):  # type: ignore[no-untype
             pairs.impulse[n, 1], pairs.impulse[n, 2], pairs.impulse[n, 3] = goal
             change = along(change, normal, step)
             if dot(change, change) > 0.0:
-                _impel(nodes, weights, change, planes, grip, motion, free)
-                largest = max(largest, math.sqrt(dot(change, change)) * give)
-        if largest < _SETTLED:
+                _impel(nodes, weights, change, inverse_masses, free)
+                for node in nodes:
+                    _settle(node, planes, grip, motion, free)
+                if math.sqrt(dot(change, change)) * give >= settled:
+                    for node in nodes:
+                        stirred[node] = visit
+        if visit == before_sweep:
             break
     work = 0.0
     for c in range(many):
@@ -244,7 +277,8 @@ def _solve(count, pairs, stand, planes, grip, motion):  # type: ignore[no-untype
         p, q, r, s = _four(velocities, _row4(pairs.nodes, n))
         work += dot((pairs.impulse[n, 1], pairs.impulse[n, 2], pairs.impulse[n, 3]), combined(_row4(stand.weights, n), p, q, r, s))
     # The planes' own response follows, with their friction: it needs the velocities with which particles press on the body.
-    for n in range(count):
+    for place in range(count):
+        n = stand.looked[place]
         if stand.active[n]:
             _copy_rows(_row4(pairs.nodes, n), free, velocities)
     return work
@@ -315,13 +349,14 @@ def _part(n, turn, t, pairs, planes, motion):  # type: ignore[no-untyped-def]
 
 @long_kernel
 def stop_collisions(count, pairs, stand, planes, fastest, motion):  # type: ignore[no-untyped-def]
-    """Fail-safe over the first `count` pairs: what would lose most of its distance in the step is stopped, in at most 20 rounds.
+    """Fail-safe over the first `count` pairs of `stand.looked`: what would lose most of its distance in the step is stopped, in at most 20 rounds.
 
     fastest: m/s, of all nodes. Returns the part of the step that is safe (1 where all of it is), the pair that limits it, and whether velocities changed.
     """
     time_step = motion[3]
     chosen, many = stand.chosen, 0
-    for n in range(count):
+    for place in range(count):
+        n = stand.looked[place]
         if stand.distance[n] > 0.0 and stand.distance[n] * (1.0 - KEPT) < 2.0 * fastest * time_step:
             chosen[many] = n
             many += 1
@@ -354,23 +389,6 @@ def fastest_of(velocities):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def pairs_in_reach(pairs, way):  # type: ignore[no-untyped-def]
-    """How many of the pairs may matter when nodes have gone up to `way` m since detection."""
-    return np.searchsorted(pairs.slack, way, side="right")
-
-
-@kernel
-def keep_apart(count, pairs, stand, planes, grip, motion):  # type: ignore[no-untyped-def]
-    """Correct velocities in place so that the first `count` pairs keep their gaps over the step, or come back to them gently.
-
-    motion: positions, velocities (N,3), inverse masses (N,) of particles and body vertices, time step. Returns the work of friction, J, negative.
-    """
-    positions, velocities, _, time_step = motion
-    take_stand(count, pairs, positions, velocities, time_step, stand)
-    return _solve(count, pairs, stand, planes, grip, motion)
-
-
-@kernel
 def _measure(nodes, kind, positions, distance):  # type: ignore[no-untyped-def]
     for n in range(len(nodes)):
         a, b, c, d = _four(positions, _row4(nodes, n))
@@ -388,12 +406,13 @@ def distances(nodes: np.ndarray, kind: np.ndarray, positions: np.ndarray) -> np.
 def room_for(pairs: Pairs, nodes: int) -> Stand:
     """Room for where the pairs of so many nodes stand."""
     count = len(pairs.nodes)
-    active, chosen = np.empty(count, dtype=np.bool_), np.empty(count, dtype=np.int32)
-    return Stand(np.empty((count, 4)), np.empty((count, 3)), np.empty(count), active, chosen, np.empty((nodes, 3)))
+    looked, chosen, visited = (np.empty(count, np.int32) for _ in range(3))
+    stirred, free, active = np.empty(nodes, np.int32), np.empty((nodes, 3)), np.empty(count, np.bool_)
+    return Stand(np.empty((count, 4)), np.empty((count, 3)), np.empty(count), active, looked, chosen, free, stirred, visited)
 
 
 def make_pairs(vertex_triangle: np.ndarray, edge_edge: np.ndarray, gap: np.ndarray, friction: np.ndarray) -> Pairs:
-    """Pairs from node rows (N,4) of both kinds. gap, friction: (P,) of the nodes; a pair takes the mean of its two elements' means. Slack is still 0."""
+    """Pairs from node rows (N,4) of both kinds. gap, friction: (P,) of the nodes; a pair takes the mean of its two elements' means. All are due."""
     nodes = indices(np.concatenate([vertex_triangle, edge_edge]).reshape(-1, 4))
     kind = np.repeat(indices([VERTEX_TRIANGLE, EDGE_EDGE]), [len(vertex_triangle), len(edge_edge)])
     share = np.where(kind[:, None] == VERTEX_TRIANGLE, [3 / 6, 1 / 6, 1 / 6, 1 / 6], 1 / 4)
@@ -407,19 +426,18 @@ def joined(*parts: Pairs) -> Pairs:
     return Pairs(*(np.concatenate(columns) for columns in zip(*parts)))
 
 
-def sorted_by_slack(pairs: Pairs, positions: np.ndarray) -> Pairs:
-    """The pairs with their slack at these positions (P,3) of all nodes, rising."""
-    slack = (distances(pairs.nodes, pairs.kind, positions) - NEARLY * pairs.gap) / pairs.moving
-    order = np.argsort(slack, kind="stable")
-    return Pairs(*(np.ascontiguousarray(column[order]) for column in pairs._replace(slack=slack)))
+def by_distance(pairs: Pairs, positions: np.ndarray) -> Pairs:
+    """The pairs by rising distance beyond their gaps at these positions (P,3) of all nodes, due when the nodes may have gone that far."""
+    due = (distances(pairs.nodes, pairs.kind, positions) - NEARLY * pairs.gap) / pairs.moving
+    order = np.argsort(due, kind="stable")
+    return Pairs(*(np.ascontiguousarray(column[order]) for column in pairs._replace(due=due)))
 
 
-def carry_over(before: Pairs, pairs: Pairs) -> None:
-    """Pairs that were there before and stood close keep their side and impulse. Both lists come by rising slack."""
-    known = np.flatnonzero(before.impulse[:, 0] > 0.0)
-    known = np.union1d(known, np.arange(np.searchsorted(before.slack, 0.0)))
+def carry_over(before: Pairs, path_m: float, pairs: Pairs) -> None:
+    """Pairs that were there before and stood close, a path of `path_m` after detection, keep their side and impulse."""
+    known = np.flatnonzero((before.impulse[:, 0] > 0.0) | (before.due <= path_m))
     table = {nodes.tobytes(): n for n, nodes in zip(known, before.nodes[known])}
-    for n in range(np.searchsorted(pairs.slack, 0.0) if table else 0):
+    for n in range(np.searchsorted(pairs.due, 0.0) if table else 0):
         source = table.get(pairs.nodes[n].tobytes())
         if source is not None:
             pairs.side[n], pairs.impulse[n] = before.side[source], before.impulse[source]

@@ -201,7 +201,6 @@ class Dynamics:
             self.estimate_time_step(state)
             count = min(STEPS_PER_ESTIMATE, end - state.step)
             self.contact.place(state, count * state.time_step_s)
-            self.contact.refresh(state)
             with threads_apart():
                 self._stretch(state, count)
 
