@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
+import math
+
 import numba
 import numpy as np
 import pytest
 import trimesh
 from elastic import linear
 
+from garmentcad.arrays import CHUNKS
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.lattice import rectangle_cloth
 from garmentcad.cloth.state import State
 from garmentcad.contact.contact import Contact
+from garmentcad.contact.planes import fresh_planes
 from garmentcad.fabric.material import MaterialTable
-from garmentcad.forces.assembly import ForceAssembly
+from garmentcad.forces.assembly import ForceAssembly, Sums
 from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
 from garmentcad.solve.dynamics import RUNAWAY_M_S, DivergedError, Dynamics
 from garmentcad.solve.rest import RESIDUAL_G, patches, residual
+from garmentcad.solve.steps import advance_velocities
 from garmentcad.solve.strain_limit import RETURN_M_S, least_headroom, pull_back, strain_limit
 from garmentcad.units import GRAVITY_M_S2
 
@@ -183,3 +188,17 @@ def test_the_speed_cap_holds_against_forces_and_keeps_their_direction() -> None:
     assert np.linalg.norm(state.velocities, axis=1) == pytest.approx(0.5, rel=1e-9)
     assert (state.velocities[:, 1] < 0.0).all()
     assert (state.velocities[:, 0] > 0.0).all()
+
+
+def test_the_cap_leaves_what_presses_on_the_body_and_nothing_else() -> None:
+    """Five particles of 1 kg near a floor, steps of 1 ms, cap 1 m/s: pressed where it lies, 3 mm above, and 3 mm above on something between; drawn along and
+    down; lifted."""
+    forces = np.array([[0.0, -50e3, 0.0], [0.0, -50e3, 0.0], [0.0, -50e3, 0.0], [30e3, -40e3, 0.0], [0.0, 50e3, 0.0]])
+    positions, planes = np.zeros((5, 3)), fresh_planes(np.zeros((5, 3)), False)
+    planes.held[:], planes.normal[:, 0], planes.room[1:3, 0] = 1, [0.0, 1.0, 0.0], 3e-3
+    sums = Sums(np.arange(6, dtype=np.int32), np.arange(5, dtype=np.int32), forces, np.zeros(5), np.ones(5))
+    velocities, out = np.zeros((5, 3)), np.zeros((CHUNKS, 2))
+    advance_velocities(sums, (1e-3, 1.0), np.zeros(5), np.ones(5), planes, np.arange(5) == 2, positions, velocities, out)
+    expected = np.array([[0.0, -50.0, 0.0], [0.0, -1.0, 0.0], [0.0, -50.0, 0.0], [1.0, -40.0, 0.0], [0.0, 1.0, 0.0]])
+    assert velocities == pytest.approx(expected, abs=1e-12)
+    assert math.sqrt(out[:, 0].max()) == pytest.approx(math.sqrt(2.0)), "what contact takes is no speed"

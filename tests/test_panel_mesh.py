@@ -102,14 +102,15 @@ def test_symmetric_panels_have_symmetric_lattices(width: float) -> None:
     lattice = made.points[: made.lattice_count]
     mirrored = np.stack([width - lattice[:, 0], lattice[:, 1]], axis=1)
     assert {tuple(point) for point in mirrored.round(6)} == {tuple(point) for point in lattice.round(6)}
-    assert 7.5 <= lattice[:, 0].min() <= 12.5
+    gap = lattice[:, 0].min()
+    assert 5.0 < gap <= 10.0
 
 
 def test_round_off_of_a_width_does_not_leave_a_sliver() -> None:
     for width in (740.0 - 1e-7, 740.0, 740.0 + 1e-7, 370.0 + 1e-7):
         made = mesh(rectangle(width, 38.0), 20.0 if width > 400.0 else 10.0)
         lattice = made.points[: made.lattice_count]
-        assert lattice[:, 0].min() >= 0.749 * made.spacing
+        assert lattice[:, 0].min() == pytest.approx(made.spacing, abs=1e-6)
 
 
 def test_rows_run_along_weft_and_neighbors_are_found() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from garmentcad.constraints.points import ConstraintPoints, PointRows, correct_speeds, demand_speeds, stitch_rows
+from garmentcad.constraints.points import ConstraintPoints, PointRows, apply_bonds, correct_speeds, demand_speeds, stitch_rows
 from garmentcad.errors import InputError
 
 
@@ -34,6 +34,19 @@ def test_gap_decays_as_critical_damping_whatever_forces_pull() -> None:
     assert np.allclose(constraint.gaps(x), start * (1.0 + 10.0 * t) * np.exp(-10.0 * t), atol=2e-4 * np.abs(start).max())
     # inner forces carry no momentum: only the outer force changes it
     assert np.allclose((v / inverse_masses[:, None]).sum(axis=0) - momentum, force.sum(axis=0) * t, atol=1e-9)
+
+
+def test_what_a_shank_leaves_free_turns_with_its_cloth_in_every_step() -> None:
+    """A button 1 mm above its cloth on a shank of 2 mm; the cloth has turned since the constraints were laid out."""
+    rows = PointRows(np.array([0, 0]), np.array([0, 1]), np.array([1.0, -1.0]), np.zeros((1, 3)), ("button",), np.array([2e-3]), np.array([[1, 2, 3]]))
+    flat = np.array([[0.0, 0.0, 1e-3], [0.0, 0.0, 0.0], [0.01, 0.0, 0.0], [0.0, 0.01, 0.0]])
+    turned = flat[:, [2, 0, 1]]  # about the diagonal, by 120 degrees
+    constraint = ConstraintPoints(rows, np.ones(4), rate=100.0)
+    constraint.aim(flat)
+    for positions in (flat, turned):
+        velocities = np.zeros((4, 3))
+        apply_bonds(constraint.bonds(np.zeros((1, 3)), np.zeros((1, 3))), positions, 1e-3, velocities)
+        assert np.abs(velocities).max() < 1e-15
 
 
 def test_cycle_of_stitches_is_solved_and_named() -> None:

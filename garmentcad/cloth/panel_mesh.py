@@ -93,15 +93,11 @@ def mesh_panel(
 
 
 def _centered_origin(lower: np.ndarray, upper: np.ndarray, grid: float) -> np.ndarray:
-    """The box's centre, or half a grid beside it: whichever leaves between 3/4 and 5/4 of a grid from the outermost lattice line that is kept to the box.
-
-    Along a straight edge a strip half a grid wide would be light and stiff, and the time step of all cloth would follow it. Between sides less than 2.5 grids
-    apart, where so wide a strip might leave no line, it is between half a grid and a grid.
-    """
+    """The box's centre, or half a grid beside it: whichever puts the outermost lattice line between half a grid and a grid from the box. Of a box of whole grids
+    up to round-off, by a grid: a strip half a grid wide is light and stiff, and the time step of all cloth follows it."""
     half = 0.5 * (upper - lower) / grid
-    gap = half % 1.0  # from the box to the last line when one passes through the centre
-    beside = np.where(half > 1.25, (gap > 0.25) & (gap <= 0.75), (half - _NEAR) % 1.0 <= 0.5)
-    return 0.5 * (lower + upper) + np.where(beside, 0.5 * grid, 0.0)
+    gap = (half - _NEAR) % 1.0  # from the box to the last line when one passes through the centre
+    return 0.5 * (lower + upper) + np.where(gap > 0.5, 0.0, 0.5 * grid)
 
 
 def _lattice_points(contour: Contour, border: np.ndarray, origin: np.ndarray, grid: float) -> tuple[np.ndarray, np.ndarray]:

@@ -28,6 +28,7 @@ from scipy.sparse.csgraph import connected_components
 
 from garmentcad.arrays import floats, indices, kernel, long_kernel
 from garmentcad.errors import InputError
+from garmentcad.geometry.closest import cross, dot, minus, row
 
 
 @dataclass(frozen=True)
@@ -100,6 +101,8 @@ class Bonds(NamedTuple):
     bounds: np.ndarray  # (R,2) m/s, scratch: least and largest speed along the normal in this step
     least: np.ndarray  # (R,) m/s, floor of the closing speed
     numbers: np.ndarray  # (3,) rate 1/s, largest force N, 1 where the forces stay as they are
+    free: np.ndarray  # (F,) int32 rows that are free along a normal
+    normal_of: np.ndarray  # (F,3) int32 particles of the triangle whose normal that is
 
 
 @kernel
@@ -114,6 +117,18 @@ def _row_times(rows, r, vectors):  # type: ignore[no-untyped-def]
 @kernel
 def _along(normals, r, vector):  # type: ignore[no-untyped-def]
     return normals[r, 0] * vector[0] + normals[r, 1] * vector[1] + normals[r, 2] * vector[2]
+
+
+@kernel
+def aim(bonds, positions):  # type: ignore[no-untyped-def]
+    """Turn the normals of the rows that are free along one, in place, to those of cloth at these positions. In every step: a normal that lags behind its
+    cloth, by a few milliseconds, swings it."""
+    for f in range(len(bonds.free)):
+        a, b, c = row(positions, bonds.normal_of[f, 0]), row(positions, bonds.normal_of[f, 1]), row(positions, bonds.normal_of[f, 2])
+        normal = cross(minus(b, a), minus(c, a))
+        length = max(math.sqrt(dot(normal, normal)), 1e-30)
+        for axis in range(3):
+            bonds.normals[bonds.free[f], axis] = normal[axis] / length
 
 
 @kernel
@@ -177,6 +192,7 @@ def apply_bonds(bonds, positions, time_step, velocities):  # type: ignore[no-unt
     if bonds.numbers[2] > 0.0:
         push(bonds, time_step, velocities)
     else:
+        aim(bonds, positions)
         demand_speeds(bonds, positions, time_step)
         correct_speeds(bonds, time_step, velocities)
 
@@ -189,7 +205,7 @@ def no_bonds() -> Bonds:
     """No constraint at all."""
     empty = Rows(np.zeros(1, np.int32), np.zeros(0, np.int32), np.zeros(0))
     none = np.zeros((0, 3))
-    return Bonds(empty, empty, empty, none, none, none, none, np.zeros(0), np.zeros((0, 2)), np.zeros(0), np.zeros(3))
+    return Bonds(empty, empty, empty, none, none, none, none, np.zeros(0), np.zeros((0, 2)), np.zeros(0), np.zeros(3), indices([]), indices(none))
 
 
 class ConstraintPoints:
@@ -271,5 +287,5 @@ class ConstraintPoints:
         return Bonds(
             _rows(self._jacobian), _rows(self._solved), _rows(self._spread), floats(self.targets), wanted, forces, floats(self._normals),
             floats(self._shanks), np.zeros((len(wanted), 2)), floats(np.broadcast_to(self.least_speed, len(wanted))),
-            floats([self.rate, self.cap, float(self.loaded)]),
+            floats([self.rate, self.cap, float(self.loaded)]), indices(self._free), indices(self._normal_of),
         )  # fmt: skip

@@ -67,16 +67,15 @@ def respond(contact, motion, way, covered, fastest):  # type: ignore[no-untyped-
     """Correct velocities in place, so that positions + time_step * velocities keep their distances.
 
     contact: `Contact.arguments`; motion: positions, velocities, inverse masses of all nodes, time step; way: m, longest since detection, or a bound of it;
-    covered: m, that the candidates serve; fastest: m/s. Returns the part of the step that is safe, the pair that limits it (-1: none), the work of friction on
-    the cloth, J, and the fastest speed.
+    covered: m, that the candidates serve; fastest: m/s. Returns the part of the step that is safe, the pair that limits it
+    (-1: none), the work of friction on the cloth, J, and the fastest speed.
     """
     surface, tree, largest, grip, planes, pairs, stand, pace, out, path = contact
     positions, velocities, inverse_masses, time_step = motion
     work, part, worst = 0.0, 1.0, -1
     reach = SURGE * fastest
     count = take_stand(pairs, path[0], reach * time_step, positions, velocities, time_step, stand)
-    if count > 0:
-        work += keep_apart(count, pairs, stand, planes, grip, fastest, motion)
+    work += keep_apart(count, pairs, stand, planes, grip, fastest, motion)
     respond_planes(surface, tree, largest, planes, grip, positions, velocities, inverse_masses, time_step, pace, out)
     square = 0.0
     for chunk in range(len(out)):

@@ -57,6 +57,7 @@ class Stand(NamedTuple):
     free: np.ndarray  # (nodes,3) m/s, room for the velocities of their nodes free of planes
     stirred: np.ndarray  # (nodes,) int32, room for the visit that last changed a node's velocity
     visited: np.ndarray  # (N,) int32, room for the last visit to a pair
+    pressed: np.ndarray  # (nodes,) bool, whether an impulse held a node apart from something in the last step
 
 
 @kernel
@@ -196,6 +197,21 @@ def _give(nodes, weights, inverse_masses):  # type: ignore[no-untyped-def]
     return give
 
 
+@kernel
+def _mark(n, pairs, stand):  # type: ignore[no-untyped-def]
+    if pairs.impulse[n, 0] > 0.0:
+        for node in _row4(pairs.nodes, n):
+            stand.pressed[node] = True
+
+
+@kernel
+def mark_pressed(pairs, stand):  # type: ignore[no-untyped-def]
+    """Set `stand.pressed` from the impulses of the last step."""
+    stand.pressed[:] = False
+    for n in range(len(pairs.impulse)):
+        _mark(n, pairs, stand)
+
+
 @long_kernel
 def keep_apart(count, pairs, stand, planes, grip, fastest, motion):  # type: ignore[no-untyped-def]
     """Correct velocities in place so that the first `count` pairs of `stand.looked` keep their gaps over the step, or come back to them gently: sweeps of
@@ -272,8 +288,10 @@ def keep_apart(count, pairs, stand, planes, grip, fastest, motion):  # type: ign
         if visit == before_sweep:
             break
     work = 0.0
+    stand.pressed[:] = False
     for c in range(many):
         n = chosen[c]
+        _mark(n, pairs, stand)
         p, q, r, s = _four(velocities, _row4(pairs.nodes, n))
         work += dot((pairs.impulse[n, 1], pairs.impulse[n, 2], pairs.impulse[n, 3]), combined(_row4(stand.weights, n), p, q, r, s))
     # The planes' own response follows, with their friction: it needs the velocities with which particles press on the body.
@@ -408,7 +426,7 @@ def room_for(pairs: Pairs, nodes: int) -> Stand:
     count = len(pairs.nodes)
     looked, chosen, visited = (np.empty(count, np.int32) for _ in range(3))
     stirred, free, active = np.empty(nodes, np.int32), np.empty((nodes, 3)), np.empty(count, np.bool_)
-    return Stand(np.empty((count, 4)), np.empty((count, 3)), np.empty(count), active, looked, chosen, free, stirred, visited)
+    return Stand(np.empty((count, 4)), np.empty((count, 3)), np.empty(count), active, looked, chosen, free, stirred, visited, np.zeros(nodes, np.bool_))
 
 
 def make_pairs(vertex_triangle: np.ndarray, edge_edge: np.ndarray, gap: np.ndarray, friction: np.ndarray) -> Pairs:

@@ -66,10 +66,10 @@ class Dynamics:
 
     forces: those of `internal_forces` and weight. drag: rate c [1/s], one or (P,), relative to air at rest, in proportion to the mass that resists.
     equalise: drape mode; masses of particles whose own stable step is shorter than the median's are raised until it is not (the shape at rest does not depend
-    on them). speed_cap_m_s: forces make no particle faster, but toward the body. The time step rests on tangents that are a few steps old, and tension stiffens
-    with strain: what a weld or a snap sets free must not run ahead of them. steady: tangents hardly change, so the time step comes from the highest frequency
-    itself and not from its bound. step_factor: multiplies the time step, for a run that diverged at the step that its stiffness allows. softness: by which
-    tension in `forces` is divided, so that a change of it is noticed. fixed: (P,) bool, particles that do not move.
+    on them). speed_cap_m_s: forces make no particle faster, but press it on the body where it lies there. The time step rests on tangents that are a few steps
+    old, and tension stiffens with strain: what a weld or a snap sets free must not run ahead of them. steady: tangents hardly change, so the time step comes
+    from the highest frequency itself and not from its bound. step_factor: multiplies the time step, for a run that diverged at the step that its stiffness
+    allows. softness: by which tension in `forces` is divided, so that a change of it is noticed. fixed: (P,) bool, particles that do not move.
     """
 
     def __init__(self, cloth: Cloth, forces: ForceAssembly, limit: StrainLimit, contact: Contact, fixed: np.ndarray | None = None) -> None:

@@ -17,8 +17,10 @@ from numba import prange
 from garmentcad.arrays import CHUNKS, chunk_range, kernel, parallel_kernel
 from garmentcad.constraints.points import apply_bonds
 from garmentcad.contact.contact import farthest, go_with_body, respond
-from garmentcad.contact.pairs import fastest_of
+from garmentcad.contact.pairs import fastest_of, mark_pressed
+from garmentcad.contact.planes import CLOSED, rooms
 from garmentcad.forces.internal import write_internal
+from garmentcad.geometry.closest import row
 from garmentcad.solve.strain_limit import least_headroom, pull_back
 
 # Why a call ended: all steps done; contact must look for candidates; a particle is too fast; a step was cut; a link is far beyond its limit.
@@ -32,13 +34,13 @@ class Controls(NamedTuple):
 
     time_step: float  # s
     drag: np.ndarray  # (P,) 1/s
-    speed_cap: float  # m/s, forces make no particle faster, but toward the body
+    speed_cap: float  # m/s, forces make no particle faster, but press it on the body where it lies there
     runaway: float  # m/s
     surge: float  # of the fastest speed before a response, up to which contact counts on it
 
 
 @kernel
-def _advance_of(particles, sums, rates, drag, inverse_masses, planes, velocities, out):  # type: ignore[no-untyped-def]
+def _advance_of(particles, sums, rates, drag, inverse_masses, planes, pressed, positions, velocities, out):  # type: ignore[no-untyped-def]
     time_step, cap = rates
     largest = 0.0
     for p in range(particles[0], particles[1]):
@@ -53,27 +55,31 @@ def _advance_of(particles, sums, rates, drag, inverse_masses, planes, velocities
         square = x * x + y * y + z * z
         # not a number stays one: the comparison is false
         if square > cap * cap:
-            # What presses on the body is not cut: it may be many times the weight, contact takes all of it, and it holds what pulls beside it in balance.
-            a, b, c, into = 0.0, 0.0, 0.0, 0.0
+            # What presses on the body, or on what keeps it off the body, is not cut: it may be many times the weight, contact takes it, and it holds what
+            # pulls beside it in balance. It is no speed either: contact leaves at most the cap of it.
+            (a, b, c), into = (0.0, 0.0, 0.0), 0.0
             if planes.held[p] > 0:
-                a, b, c = planes.normal[p, 0, 0], planes.normal[p, 0, 1], planes.normal[p, 0, 2]
-                into = min(0.0, a * x + b * y + c * z)
+                (a, b, c), room = rooms(planes, p, 0, row(positions, p))
+                if pressed[p] or room <= CLOSED + cap * time_step:
+                    into = min(0.0, a * x + b * y + c * z)
             x, y, z = x - into * a, y - into * b, z - into * c
             square = x * x + y * y + z * z
             share = cap / math.sqrt(square) if square > cap * cap else 1.0
+            square = share * share * square + min(into * into, cap * cap)
             x, y, z = share * x + into * a, share * y + into * b, share * z + into * c
-            square = x * x + y * y + z * z
         velocities[p, 0], velocities[p, 1], velocities[p, 2] = x, y, z
         largest = max(largest, square) if square == square else math.inf
     out[0] = largest
 
 
 @parallel_kernel
-def advance_velocities(sums, rates, drag, inverse_masses, planes, velocities, out):  # type: ignore[no-untyped-def]
-    """Velocities in place; rates: time step, speed cap; drag (P,) 1/s; planes: of the body below; out (CHUNKS,2): largest squared speed in the first column."""
+def advance_velocities(sums, rates, drag, inverse_masses, planes, pressed, positions, velocities, out):  # type: ignore[no-untyped-def]
+    """Velocities in place; rates: time step, speed cap; drag (P,) 1/s; planes: of the body
+    below; pressed (P,): whether a pair holds a particle; out (CHUNKS,2): largest squared speed in the first column,
+    without what presses on the body beyond the cap."""
     count = len(sums.weight)
     for chunk in prange(CHUNKS):
-        _advance_of(chunk_range(chunk, count), sums, rates, drag, inverse_masses, planes, velocities, out[chunk])
+        _advance_of(chunk_range(chunk, count), sums, rates, drag, inverse_masses, planes, pressed, positions, velocities, out[chunk])
 
 
 @kernel
@@ -116,6 +122,7 @@ def run_steps(order, controls, laws, sums, bonds, limit, contact, clock):  # typ
     pace, moves = rules[7], len(leg.first) > 0
     dt, count = controls.time_step, len(sums.weight)
     out = np.zeros((CHUNKS, 2))
+    mark_pressed(rules[5], rules[6])
     motion = (positions, velocities, inverse_masses, dt)
     way, headroom = farthest(positions, home), 0.0
     clock[:] = 0.0
@@ -125,7 +132,7 @@ def run_steps(order, controls, laws, sums, bonds, limit, contact, clock):  # typ
             go_with_body(rules, leg, since, motion)
         if step > 0 or not resumed:
             write_internal(laws, positions, velocities, sums.corner_forces)
-            advance_velocities(sums, (dt, controls.speed_cap), controls.drag, inverse_masses, rules[4], velocities, out)
+            advance_velocities(sums, (dt, controls.speed_cap), controls.drag, inverse_masses, rules[4], rules[6].pressed, positions, velocities, out)
             fastest = _largest(out)
             if not fastest < controls.runaway:
                 return RUNAWAY
