@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from garmentcad.cloth.lattice import build_cloth
 from garmentcad.geometry.intersection import crossing_triangle_pairs
 from garmentcad.pattern.draft import draft
 from garmentcad.pattern.parse import parse_spec
+from garmentcad.pattern.pattern import Wrap
 from garmentcad.placement.place import place_vertices
 
 POST_M = 0.1  # radius of the body
@@ -71,3 +73,30 @@ def test_panels_that_cross_in_depth() -> None:
     moves = clearing_moves(pattern, cloth, positions, body())
     assert {move.panel for move in moves} == {"a", "b"}
     assert len(crossing_triangle_pairs(move_panels(cloth, positions, moves), cloth.triangles)) == 0
+
+
+def test_what_a_rule_wrapped_parts_upward_and_downward_and_what_is_worn_stays() -> None:
+    """Two bands around a post, one askew: they cross in a corner."""
+    wraps = {"above": (560, 4.0), "below": (505, 0.0)}
+    panels = {
+        name: {
+            "points": {"a": [-150, 0], "b": [150, 0], "c": [150, 50], "d": [-150, 50]},
+            "edges": [{"name": f"e{k}", "from": "abcd"[k], "to": "bcda"[k]} for k in range(4)],
+            "placement": {"transform": {"translation": [0, height, 120], "rotation": [0, 0, turn]}},
+        }
+        for name, (height, turn) in wraps.items()
+    }
+    pattern = draft(parse_spec({"name": "bands", "fabric": "x", "mannequin": "post", "panels": panels}), {})
+    cloth = build_cloth(pattern, lambda _, points: np.zeros(len(points), dtype=np.int32), materials(0.2), 10.0)
+    positions = place_vertices(pattern, cloth, body())
+    # as a mapping rule would lay them: around the post
+    angle = positions[:, 0] / 0.12
+    positions[:, 0], positions[:, 2] = 0.12 * np.sin(angle), 0.12 * np.cos(angle)
+    wrapped = Wrap("post", (0.0, 0.0), 0.0, 500.0, 20.0, 1.0)
+    pattern = replace(pattern, panels={name: replace(panel, placement=wrapped) for name, panel in pattern.panels.items()})
+    assert len(crossing_triangle_pairs(positions, cloth.triangles)) > 0
+    moves = clearing_moves(pattern, cloth, positions, body())
+    assert {move.panel: (move.by_m[1] > 0.0, move.by_m[[0, 2]].tolist()) for move in moves} == {"above": (True, [0.0, 0.0]), "below": (False, [0.0, 0.0])}
+    assert len(crossing_triangle_pairs(move_panels(cloth, positions, moves), cloth.triangles)) == 0
+    (move,) = clearing_moves(pattern, cloth, positions, body(), worn=("below",))
+    assert move.panel == "above"

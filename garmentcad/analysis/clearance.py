@@ -1,7 +1,9 @@
-"""Rigid moves that free flat panels at the start: away from panels that they touch or cross, and out of the body along their right side."""
+"""Rigid moves that free panels at the start: away from panels that they touch or cross, and flat ones out of the body along their right side."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,20 +33,22 @@ class Move:
         return f"panel {self.panel} starts {np.linalg.norm(by_mm):.0f} mm ({x}, {y}, {z}) from its place, clear of {', '.join(self.clear_of)}"
 
 
-def clearing_moves(pattern: Pattern, cloth: Cloth, positions: np.ndarray, mannequin: Mannequin) -> list[Move]:
-    """Moves after which the panels that lie flat (placed by a transform) touch neither each other nor the body. Empty where they do not anyway.
+def clearing_moves(pattern: Pattern, cloth: Cloth, positions: np.ndarray, mannequin: Mannequin, worn: Collection[str] = ()) -> list[Move]:
+    """Moves after which no two panels touch, and those that lie flat (placed by a transform) do not touch the body. Empty where they do not anyway.
 
     positions (V,3) m: vertices as placed. Two panels part along the line between their middles; a panel leaves the body on its right side, which is the
-    outer one. What a mapping rule wrapped stays. Where many rounds do not help, the panels are left as they are: whoever starts looks again.
+    outer one. What a mapping rule wrapped around the body stays for a flat one, and parts from another wrapped one upward and downward. What is `worn` already
+    stays for all. Where many rounds do not help, the panels are left as they are: whoever starts looks again.
     """
     count = len(cloth.panel_names)
-    flat = np.array([isinstance(panel.placement, Transform) for panel in pattern.panels.values()])
+    free = np.array([name not in worn for name in pattern.panels])
+    flat = free & np.array([isinstance(panel.placement, Transform) for panel in pattern.panels.values()])
     owner = cloth.vertex_panel[cloth.triangles[:, 0]]
     normals = np.array([_right_side(positions, cloth.triangles[owner == panel]) for panel in range(count)])
     middles = np.array([positions[cloth.vertex_panel == panel].mean(axis=0) for panel in range(count)])
     moves, reserve = np.zeros((count, 3)), np.zeros((count, 3))
     reasons: list[set[str]] = [set() for _ in range(count)]
-    for _ in range(_ROUNDS if flat.any() else 0):
+    for _ in range(_ROUNDS):
         moved = positions + (moves + reserve)[cloth.vertex_panel]
         before = moves.copy()
         depth = -signed_distances(moved, mannequin.vertices, mannequin.faces)
@@ -58,8 +62,10 @@ def clearing_moves(pattern: Pattern, cloth: Cloth, positions: np.ndarray, manneq
             apart = middles[a] + moves[a] - middles[b] - moves[b]
             length = float(np.linalg.norm(apart))
             direction = apart / length if length > STEP_M else normals[a]
+            if not flat[a] and not flat[b]:
+                direction = np.array([0.0, math.copysign(1.0, direction[1]), 0.0])
             for panel, other, way in ((a, b, direction), (b, a, -direction)):
-                if flat[panel]:
+                if flat[panel] or (free[panel] and not flat[other]):
                     moves[panel] += STEP_M * way
                     reserve[panel] = STEP_M * way  # a hair's breadth would do for the judge of crossings, not for contact
                     reasons[panel].add(f"panel {cloth.panel_names[other]}")

@@ -93,8 +93,10 @@ def mesh_panel(
 
 
 def _centered_origin(lower: np.ndarray, upper: np.ndarray, grid: float) -> np.ndarray:
-    """The box's centre, or half a grid beside it: whichever puts the outermost lattice line between half a grid and a grid from the box. Of a box of whole grids
-    up to round-off, by a grid: a strip half a grid wide is light and stiff, and the time step of all cloth follows it."""
+    """The box's centre, or half a grid beside it: whichever puts the outermost lattice line between half a grid and a grid from the box.
+
+    It is a grid for a box of whole grids, up to round-off: a strip half a grid wide is light and stiff, and the time step of all cloth follows it.
+    """
     half = 0.5 * (upper - lower) / grid
     gap = (half - _NEAR) % 1.0  # from the box to the last line when one passes through the centre
     return 0.5 * (lower + upper) + np.where(gap > 0.5, 0.0, 0.5 * grid)

@@ -310,7 +310,7 @@ def _placed_state(job: Job, cloth: Cloth, start: Cloth, worn: dict[str, np.ndarr
     positions = place_vertices(job.pattern, cloth, job.mannequin)
     for panel, hung in worn.items():
         positions[cloth.vertex_panel == cloth.panel_names.index(panel)] = hung
-    moves = clearing_moves(job.pattern, cloth, positions, job.mannequin)
+    moves = clearing_moves(job.pattern, cloth, positions, job.mannequin, worn)
     warnings += [str(move) for move in moves]
     positions = move_panels(cloth, positions, moves)
     placed = np.empty((start.particle_count, 3))
