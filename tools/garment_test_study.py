@@ -28,7 +28,7 @@ from garmentcad.simulation.study import StudyCase, run_study, study_table
 
 FOLDER = Path(__file__).resolve().parent.parent / "docs" / "studies"
 # The parameter that moves the hem, where it is not the length.
-HEM = {"knit-top": "below_hip", "t-shirt": "below_hip", "trousers": "hem_height"}
+HEM = {"knit-top": "below_hip", "mens-shirt": "below_hip", "t-shirt": "below_hip", "trousers": "hem_height"}
 HEM_MM = (-10.0, 10.0)
 RUNS, FIRST_SEED = 10, 1000  # a run takes its starts from a thousand of its own; baselines count theirs from 0
 STIFFER = "flared-skirt"
