@@ -120,15 +120,14 @@ def _along(normals, r, vector):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def aim(bonds, positions):  # type: ignore[no-untyped-def]
-    """Turn the normals of the rows that are free along one, in place, to those of cloth at these positions. In every step: a normal that lags behind its
-    cloth, by a few milliseconds, swings it."""
-    for f in range(len(bonds.free)):
-        a, b, c = row(positions, bonds.normal_of[f, 0]), row(positions, bonds.normal_of[f, 1]), row(positions, bonds.normal_of[f, 2])
+def _aim(free, normal_of, positions, normals):  # type: ignore[no-untyped-def]
+    """Turn the `normals` (R,3) of the rows `free` (F,), in place, to those of the triangles `normal_of` (F,3) at these positions."""
+    for f in range(len(free)):
+        a, b, c = row(positions, normal_of[f, 0]), row(positions, normal_of[f, 1]), row(positions, normal_of[f, 2])
         normal = cross(minus(b, a), minus(c, a))
         length = max(math.sqrt(dot(normal, normal)), 1e-30)
         for axis in range(3):
-            bonds.normals[bonds.free[f], axis] = normal[axis] / length
+            normals[free[f], axis] = normal[axis] / length
 
 
 @kernel
@@ -192,7 +191,8 @@ def apply_bonds(bonds, positions, time_step, velocities):  # type: ignore[no-unt
     if bonds.numbers[2] > 0.0:
         push(bonds, time_step, velocities)
     else:
-        aim(bonds, positions)
+        # In every step: a normal that lags behind its cloth, by a few milliseconds, swings it.
+        _aim(bonds.free, bonds.normal_of, positions, bonds.normals)
         demand_speeds(bonds, positions, time_step)
         correct_speeds(bonds, time_step, velocities)
 
@@ -224,8 +224,8 @@ class ConstraintPoints:
         self.names, self.cap, self.least_speed = rows.names, cap, least_speed
         self.targets, self.rate = rows.targets, rate
         self._shanks, self._normals = rows.shank, np.zeros_like(rows.targets)
-        self._free = np.flatnonzero(rows.shank > 0.0)
-        self._normal_of = rows.normal_of[self._free]
+        self._free = indices(np.flatnonzero(rows.shank > 0.0))
+        self._normal_of = indices(rows.normal_of[self._free])
         count = len(inverse_masses) if nodes is None else nodes
         self._jacobian: csr_matrix = coo_matrix((rows.weight, (rows.row, rows.particle)), shape=(len(rows.targets), count)).tocsr()
         self.loaded = False
@@ -234,9 +234,7 @@ class ConstraintPoints:
 
     def aim(self, positions: np.ndarray) -> None:
         """Turn the normals of the rows that are free along one to those of cloth at these positions."""
-        a, b, c = (positions[self._normal_of[:, k]] for k in range(3))
-        normal = np.cross(b - a, c - a)
-        self._normals[self._free] = normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-30)
+        _aim(self._free, self._normal_of, floats(positions), self._normals)
 
     def set_inverse_masses(self, inverse_masses: np.ndarray) -> None:
         """Masses (P,) 1/kg changed: factor the blocks anew. InputError where a row holds only fixed particles away from their target."""
@@ -287,5 +285,5 @@ class ConstraintPoints:
         return Bonds(
             _rows(self._jacobian), _rows(self._solved), _rows(self._spread), floats(self.targets), wanted, forces, floats(self._normals),
             floats(self._shanks), np.zeros((len(wanted), 2)), floats(np.broadcast_to(self.least_speed, len(wanted))),
-            floats([self.rate, self.cap, float(self.loaded)]), indices(self._free), indices(self._normal_of),
+            floats([self.rate, self.cap, float(self.loaded)]), self._free, self._normal_of,
         )  # fmt: skip

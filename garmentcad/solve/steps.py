@@ -74,9 +74,8 @@ def _advance_of(particles, sums, rates, drag, inverse_masses, planes, pressed, p
 
 @parallel_kernel
 def advance_velocities(sums, rates, drag, inverse_masses, planes, pressed, positions, velocities, out):  # type: ignore[no-untyped-def]
-    """Velocities in place; rates: time step, speed cap; drag (P,) 1/s; planes: of the body
-    below; pressed (P,): whether a pair holds a particle; out (CHUNKS,2): largest squared speed in the first column,
-    without what presses on the body beyond the cap."""
+    """Velocities in place; rates: time step s, speed cap m/s; drag (P,) 1/s; planes: of the body below; pressed (P,) bool: whether a pair held the particle
+    apart from something in the last step; out (CHUNKS,2): largest squared speed, m2/s2, in the first column, of what presses on the body only up to the cap."""
     count = len(sums.weight)
     for chunk in prange(CHUNKS):
         _advance_of(chunk_range(chunk, count), sums, rates, drag, inverse_masses, planes, pressed, positions, velocities, out[chunk])
