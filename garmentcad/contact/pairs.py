@@ -21,6 +21,7 @@ from garmentcad.contact.planes import allowed, demanded, held
 from garmentcad.geometry.closest import FACE, along, cross, dot, minus, point_triangle, row, segment_segment, unit
 
 VERTEX_TRIANGLE, EDGE_EDGE = 0, 1
+BY_CLOTH, BY_BODY = 1, 2  # what holds a node, the stronger word last
 NEARLY = 1.1  # gaps: a little earlier than at the gap a pair is solved, because a neighbour's impulses may bring it closer than its own velocity does
 _SWEEPS = 20  # of the impulses, at most
 _ROUNDS = 20  # of the fail-safe, at most
@@ -57,7 +58,7 @@ class Stand(NamedTuple):
     free: np.ndarray  # (nodes,3) m/s, room for the velocities of their nodes free of planes
     stirred: np.ndarray  # (nodes,) int32, room for the visit that last changed a node's velocity
     visited: np.ndarray  # (N,) int32, room for the last visit to a pair
-    pressed: np.ndarray  # (nodes,) bool, whether an impulse held a node apart from something in the last step
+    pressed: np.ndarray  # (nodes,) int8, whether an impulse held a node apart from something in the last step: BY_CLOTH, or BY_BODY
 
 
 @kernel
@@ -198,18 +199,20 @@ def _give(nodes, weights, inverse_masses):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _mark(n, pairs, stand):  # type: ignore[no-untyped-def]
+def _mark(n, pairs, particles, stand):  # type: ignore[no-untyped-def]
     if pairs.impulse[n, 0] > 0.0:
-        for node in _row4(pairs.nodes, n):
-            stand.pressed[node] = True
+        nodes = _row4(pairs.nodes, n)
+        by = BY_BODY if max(nodes[0], nodes[1], nodes[2], nodes[3]) >= particles else BY_CLOTH
+        for node in nodes:
+            stand.pressed[node] = max(stand.pressed[node], by)
 
 
 @kernel
-def mark_pressed(pairs, stand):  # type: ignore[no-untyped-def]
-    """Set `stand.pressed` from the impulses of the last step."""
-    stand.pressed[:] = False
+def mark_pressed(pairs, particles, stand):  # type: ignore[no-untyped-def]
+    """Set `stand.pressed` from the impulses of the last step; particles: number of nodes that are the cloth's."""
+    stand.pressed[:] = 0
     for n in range(len(pairs.impulse)):
-        _mark(n, pairs, stand)
+        _mark(n, pairs, particles, stand)
 
 
 @long_kernel
@@ -288,10 +291,10 @@ def keep_apart(count, pairs, stand, planes, grip, fastest, motion):  # type: ign
         if visit == before_sweep:
             break
     work = 0.0
-    stand.pressed[:] = False
+    stand.pressed[:] = 0
     for c in range(many):
         n = chosen[c]
-        _mark(n, pairs, stand)
+        _mark(n, pairs, len(planes.held), stand)
         p, q, r, s = _four(velocities, _row4(pairs.nodes, n))
         work += dot((pairs.impulse[n, 1], pairs.impulse[n, 2], pairs.impulse[n, 3]), combined(_row4(stand.weights, n), p, q, r, s))
     # The planes' own response follows, with their friction: it needs the velocities with which particles press on the body.
@@ -426,7 +429,7 @@ def room_for(pairs: Pairs, nodes: int) -> Stand:
     count = len(pairs.nodes)
     looked, chosen, visited = (np.empty(count, np.int32) for _ in range(3))
     stirred, free, active = np.empty(nodes, np.int32), np.empty((nodes, 3)), np.empty(count, np.bool_)
-    return Stand(np.empty((count, 4)), np.empty((count, 3)), np.empty(count), active, looked, chosen, free, stirred, visited, np.zeros(nodes, np.bool_))
+    return Stand(np.empty((count, 4)), np.empty((count, 3)), np.empty(count), active, looked, chosen, free, stirred, visited, np.zeros(nodes, np.int8))
 
 
 def make_pairs(vertex_triangle: np.ndarray, edge_edge: np.ndarray, gap: np.ndarray, friction: np.ndarray) -> Pairs:

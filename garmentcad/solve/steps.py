@@ -17,7 +17,7 @@ from numba import prange
 from garmentcad.arrays import CHUNKS, chunk_range, kernel, parallel_kernel
 from garmentcad.constraints.points import apply_bonds
 from garmentcad.contact.contact import farthest, go_with_body, respond
-from garmentcad.contact.pairs import fastest_of, mark_pressed
+from garmentcad.contact.pairs import BY_BODY, fastest_of, mark_pressed
 from garmentcad.contact.planes import CLOSED, rooms
 from garmentcad.forces.internal import write_internal
 from garmentcad.geometry.closest import row
@@ -60,8 +60,12 @@ def _advance_of(particles, sums, rates, drag, inverse_masses, planes, pressed, p
             (a, b, c), into = (0.0, 0.0, 0.0), 0.0
             if planes.held[p] > 0:
                 (a, b, c), room = rooms(planes, p, 0, row(positions, p))
-                if pressed[p] or room <= CLOSED + cap * time_step:
+                if pressed[p] > 0 or room <= CLOSED + cap * time_step:
                     into = min(0.0, a * x + b * y + c * z)
+            elif pressed[p] == BY_BODY:
+                # Edges or vertices of the body hold it, along normals that only their pairs know.
+                into = -math.sqrt(square)
+                a, b, c = x / into, y / into, z / into
             x, y, z = x - into * a, y - into * b, z - into * c
             square = x * x + y * y + z * z
             share = cap / math.sqrt(square) if square > cap * cap else 1.0
@@ -74,8 +78,8 @@ def _advance_of(particles, sums, rates, drag, inverse_masses, planes, pressed, p
 
 @parallel_kernel
 def advance_velocities(sums, rates, drag, inverse_masses, planes, pressed, positions, velocities, out):  # type: ignore[no-untyped-def]
-    """Velocities in place; rates: time step s, speed cap m/s; drag (P,) 1/s; planes: of the body below; pressed (P,) bool: whether a pair held the particle
-    apart from something in the last step; out (CHUNKS,2): largest squared speed, m2/s2, in the first column, of what presses on the body only up to the cap."""
+    """Velocities in place; rates: time step s, speed cap m/s; drag (P,) 1/s; planes: of the body below; pressed (P,): what held the particle apart in the
+    last step (`Stand.pressed`); out (CHUNKS,2): largest squared speed, m2/s2, in the first column, of what presses on the body only up to the cap."""
     count = len(sums.weight)
     for chunk in prange(CHUNKS):
         _advance_of(chunk_range(chunk, count), sums, rates, drag, inverse_masses, planes, pressed, positions, velocities, out[chunk])
@@ -121,7 +125,7 @@ def run_steps(order, controls, laws, sums, bonds, limit, contact, clock):  # typ
     pace, moves = rules[7], len(leg.first) > 0
     dt, count = controls.time_step, len(sums.weight)
     out = np.zeros((CHUNKS, 2))
-    mark_pressed(rules[5], rules[6])
+    mark_pressed(rules[5], count, rules[6])
     motion = (positions, velocities, inverse_masses, dt)
     way, headroom = farthest(positions, home), 0.0
     clock[:] = 0.0
