@@ -123,6 +123,22 @@ def test_hollow_corner_holds_from_both_sides() -> None:
         assert np.isfinite(state.velocities).all()
 
 
+def test_what_came_below_an_edge_or_a_vertex_of_a_body_is_pushed_outward() -> None:
+    """A micrometre, and less than its own size from the next edge that says otherwise: a body has an outside, whatever side a pair remembers."""
+    tip = trimesh.creation.cone(radius=0.012, height=0.05, sections=4)
+    box = trimesh.creation.box(extents=(0.06, 0.06, 0.06))
+    box.apply_transform(trimesh.transformations.rotation_matrix(np.pi / 4, [0, 0, 1]))
+    for vertices, faces, top in ((tip.vertices[:, [1, 2, 0]], tip.faces, 0.05), (box.vertices, box.faces, 0.06 / np.sqrt(2.0))):
+        sheet = Sheet(1)
+        contact = Contact(sheet.cloth, fabric(friction=0.0), (np.asarray(vertices), np.asarray(faces)), itself=False)
+        for shift in ((0.0, 0.0), (1e-3, 0.5e-3), (-0.7e-3, 0.2e-3)):
+            state = sheet.state(sheet.at(shift[0], top - 1e-6, shift[1]))
+            contact.start(state)
+            correct(state, 1e-4, contact)
+            assert state.velocities[:, 1].max() > 0.0
+            assert state.velocities[:, 1].min() >= 0.0
+
+
 def test_pushed_out_gently_and_never_braked() -> None:
     vertices, faces = ball(0.1, 4)
     sheet = Sheet(1)

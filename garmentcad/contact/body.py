@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from garmentcad.arrays import indices
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.contact.bvh import EDGE_EDGE, TRIANGLE_POINT, fitted_tree, near_pairs, refit
 from garmentcad.contact.cloth import ClothElements
 from garmentcad.contact.elements import LEAST_GAP, elements, largest_around, unique_edges
-from garmentcad.contact.surface import Surface, build_surface, bulge, convex_curvature
+from garmentcad.contact.surface import Surface, build_surface, bulge, convex_curvature, edge_of_side
 from garmentcad.fabric.material import MaterialTable
+from garmentcad.geometry.closest import CORNER, EDGE, FACE
 
 CLEARANCE = 0.6e-3  # m, what a flat triangle keeps above the body's curve between its particles
 LARGEST_GAP = 0.4  # of the lattice spacing
@@ -31,6 +33,16 @@ def kept_gap(cloth: Cloth, materials: MaterialTable, vertices: np.ndarray, faces
     own = np.maximum(0.5 * largest_around(cloth, materials.thickness), LEAST_GAP)
     rise = _rise(build_surface(vertices, faces), cloth.spacing)[nearest].max(axis=1)
     return np.maximum(own, np.minimum(rise, LARGEST_GAP * cloth.spacing))
+
+
+def _rows_above(faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Rows of a surface's pseudo-normals, features of a face after the other, (V,) above each vertex and (E,) above each edge of `unique_edges`."""
+    side = np.arange(faces.size)
+    per_face = 1 + FACE
+    vertex = np.zeros(int(faces.max(initial=-1)) + 1, dtype=np.int32)
+    vertex[faces.ravel()] = per_face * (side // 3) + CORNER + side % 3
+    first = np.unique(edge_of_side(faces), return_index=True)[1]
+    return vertex, indices(per_face * (first // 3) + EDGE + first % 3)
 
 
 class BodyElements:
@@ -52,9 +64,11 @@ class BodyElements:
         sharp = bulge(self.surface, 0.5 * STRETCHED * longest) > kept - 2.0 * ELEMENT_GAP
         edges = unique_edges(self.surface.faces)
         numbers = np.arange(count)
+        above_point, above_edge = _rows_above(self.surface.faces)
         self.face_tree = fitted_tree(elements(self.surface.faces, numbers), self.surface.vertices)
-        self._points = elements(np.flatnonzero(sharp), numbers)
-        self._edges = elements(edges[sharp[edges].any(axis=1)], numbers)
+        self._points, self._above_point = elements(np.flatnonzero(sharp), numbers), above_point[sharp]
+        near_sharp = sharp[edges].any(axis=1)
+        self._edges, self._above_edge = elements(edges[near_sharp], numbers), above_edge[near_sharp]
         self._point_tree = fitted_tree(self._points, self.surface.vertices)
         self._edge_tree = fitted_tree(self._edges, self.surface.vertices)
 
@@ -63,9 +77,9 @@ class BodyElements:
         refit(self._point_tree, self._points.nodes, self.surface.vertices)
         refit(self._edge_tree, self._edges.nodes, self.surface.vertices)
 
-    def pairs(self, cloth: ClothElements, positions: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:
-        """Nodes (N,4) of body vertex-cloth triangle and of cloth edge-body edge pairs closer than `reach` m. Body vertices are numbered after the P particles
-        of `positions` (P,3)."""
+    def pairs(self, cloth: ClothElements, positions: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Nodes (N,4) of body vertex-cloth triangle and of cloth edge-body edge pairs closer than `reach` m, and for both, one after the other, the rows
+        of pseudo-normals above the body's element. Body vertices are numbered after the P particles of `positions` (P,3)."""
         count, both = len(positions), (positions, self.surface.vertices)
         # No cloth element shares an identity with one of the body, whatever their numbers: the cloth's are shifted.
         triangles, edges = (part._replace(identity=part.identity + len(self.surface.vertices)) for part in (cloth.triangles, cloth.edges))
@@ -73,4 +87,4 @@ class BodyElements:
         crossed = near_pairs(EDGE_EDGE, reach, edges, self._edges, self._edge_tree, both)
         points = np.concatenate([count + self._points.nodes[pierced[:, 1], :1], triangles.nodes[pierced[:, 0]]], axis=1)
         crossing = np.concatenate([edges.nodes[crossed[:, 0], :2], count + self._edges.nodes[crossed[:, 1], :2]], axis=1)
-        return points, crossing
+        return points, crossing, np.concatenate([self._above_point[pierced[:, 1]], self._above_edge[crossed[:, 1]]])

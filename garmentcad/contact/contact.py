@@ -74,7 +74,7 @@ def respond(contact, motion, way, covered, fastest):  # type: ignore[no-untyped-
     positions, velocities, inverse_masses, time_step = motion
     work, part, worst = 0.0, 1.0, -1
     reach = SURGE * fastest
-    count = take_stand(pairs, path[0], reach * time_step, positions, velocities, time_step, stand)
+    count = take_stand(pairs, path[0], reach * time_step, motion, surface, stand)
     work += keep_apart(count, pairs, stand, planes, grip, fastest, motion)
     respond_planes(surface, tree, largest, planes, grip, positions, velocities, inverse_masses, time_step, pace, out)
     square = 0.0
@@ -84,7 +84,7 @@ def respond(contact, motion, way, covered, fastest):  # type: ignore[no-untyped-
     speed = max(np.sqrt(square), pace[2])
     if speed > reach:
         reach = min(speed, (covered - way) / time_step)
-        count = take_stand(pairs, path[0], reach * time_step, positions, velocities, time_step, stand)
+        count = take_stand(pairs, path[0], reach * time_step, motion, surface, stand)
     if count > 0:
         part, worst, touched = stop_collisions(count, pairs, stand, planes, reach, motion)
         if touched:
@@ -253,10 +253,10 @@ class Contact:
             sides = 1.0 if self._path is None else 2.0
             if self._path is not None:
                 self._body.refit()
-            pierced, crossed = self._body.pairs(self._elements, positions, ELEMENT_GAP + sides * way_m)
+            pierced, crossed, outside = self._body.pairs(self._elements, positions, ELEMENT_GAP + sides * way_m)
             still = self.nodes - self.count
             friction = np.concatenate([self._body_friction, np.full(still, self._body_friction.mean())])
-            parts.append(make_pairs(pierced, crossed, np.full(self.nodes, ELEMENT_GAP), friction))
+            parts.append(make_pairs(pierced, crossed, np.full(self.nodes, ELEMENT_GAP), friction)._replace(outside=outside))
             moving.append(np.full(len(parts[-1].nodes), sides))
         found = joined(*parts) if parts else make_pairs(np.zeros((0, 4), np.int32), np.zeros((0, 4), np.int32), self._cloth_gap, self._cloth_friction)
         return found._replace(moving=np.concatenate([*moving, np.zeros(0)]))

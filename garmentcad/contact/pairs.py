@@ -4,7 +4,9 @@ A pair names four nodes: particles of the cloth, and after them the vertices of 
 edge, then of the other. Weights w (their sum is 0) give the vector between the closest points, sum w x, and the relative velocity there, sum w v; an impulse
 J along it changes v_i by J w_i / m_i. Particles that touch the body are held by its planes (planes.py) within the same sweeps.
 
-The side on which a pair stands is remembered while it is closer than half its gap, so that a pair that came through is pushed back the way it came.
+The side on which a pair stands is remembered while it is closer than half its gap, so that a pair that came through is pushed back the way it came. On a
+body nothing need be remembered: it has an outside. (Two body edges that meet in a vertex, one of which held a cloth edge below itself by a micrometre and
+the other above, pinned a sleeve with 120 N each.)
 Impulses are remembered from step to step: what rests needs no sweeps.
 """
 
@@ -18,7 +20,7 @@ from numba import prange
 
 from garmentcad.arrays import CHUNKS, chunk_range, indices, kernel, long_kernel, parallel_kernel
 from garmentcad.contact.planes import allowed, demanded, held
-from garmentcad.geometry.closest import FACE, along, cross, dot, minus, point_triangle, row, segment_segment, unit
+from garmentcad.geometry.closest import CORNER, EDGE, FACE, along, cross, dot, minus, point_triangle, row, segment_segment, unit
 
 VERTEX_TRIANGLE, EDGE_EDGE = 0, 1
 BY_CLOTH, BY_BODY = 1, 2  # what holds a node, the stronger word last
@@ -29,6 +31,7 @@ _GENTLE_ROUNDS = 12  # of them with impulses along the normal; then colliding no
 _ADVANCES = 64  # of the continuous test, at most
 KEPT = 0.2  # share of its distance that a pair keeps within a step, whatever happens
 _PARALLEL = 0.05  # sine below which the common normal of two edges says nothing
+_SIDEWAYS = 0.1  # cosine to the pseudo-normal of a body below which a normal is neither inward nor outward
 # Change of relative velocity at which the impulses have converged: m/s, far below what the rest test sees, or this share of the fastest speed.
 _SETTLED, _SETTLED_SHARE = 1e-8, 1e-5
 
@@ -41,6 +44,7 @@ class Pairs(NamedTuple):
     gap: np.ndarray  # (N,) m
     friction: np.ndarray  # (N,)
     moving: np.ndarray  # (N,) 2.0 where both elements move, 1.0 where one belongs to a body that never does
+    outside: np.ndarray  # (N,) int32 row of the body's pseudo-normals, those of a face after the other, above its vertex or edge; -1 for cloth with cloth
     due: np.ndarray  # (N,) m, path of the fastest nodes since detection at which the pair may matter; later as it is looked at
     side: np.ndarray  # (N,) +1 or -1, 0 while unknown; changes as the pair moves
     impulse: np.ndarray  # (N,4) N.s along the normal, then of friction; of the last step
@@ -94,7 +98,21 @@ def _four(points, nodes):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _stand_range(span, pairs, path, positions, velocities, time_step, stand):  # type: ignore[no-untyped-def]
+def _leads_inward(n, pairs, surface, weights, normal):  # type: ignore[no-untyped-def]
+    """Whether `normal`, from the second element of a pair to the first, holds the cloth of a pair with a body inside it."""
+    face, feature = pairs.outside[n] // (FACE + 1), pairs.outside[n] % (FACE + 1)
+    if pairs.kind[n] == EDGE_EDGE and (weights[2] == 0.0 or weights[3] == 0.0):
+        # The end of the edge, which runs from the lower vertex to the higher one.
+        one, other = feature - EDGE, (feature - EDGE + 1) % 3
+        at_lower = weights[3] == 0.0
+        feature = CORNER + (one if (surface.faces[face, one] < surface.faces[face, other]) == at_lower else other)
+    lean = dot(normal, (surface.normals[face, feature, 0], surface.normals[face, feature, 1], surface.normals[face, feature, 2]))
+    return lean > _SIDEWAYS if pairs.kind[n] == VERTEX_TRIANGLE else lean < -_SIDEWAYS
+
+
+@kernel
+def _stand_range(span, pairs, path, motion, surface, stand):  # type: ignore[no-untyped-def]
+    positions, velocities, _, time_step = motion
     for place in range(span[0], span[1]):
         n = stand.looked[place]
         kind, nodes = pairs.kind[n], _row4(pairs.nodes, n)
@@ -118,6 +136,8 @@ def _stand_range(span, pairs, path, positions, velocities, time_step, stand):  #
             normal, distance = (side * facing[0], side * facing[1], side * facing[2]), side * height
         else:
             normal = (apart[0] / distance, apart[1] / distance, apart[2] / distance)
+        if pairs.outside[n] >= 0 and abs(distance) <= 0.5 * pairs.gap[n] and _leads_inward(n, pairs, surface, weights, normal):
+            normal, distance = (-normal[0], -normal[1], -normal[2]), -distance
         p, q, r, s = _four(velocities, nodes)
         closing = dot(combined(weights, p, q, r, s), normal)
         for corner in range(4):
@@ -130,22 +150,22 @@ def _stand_range(span, pairs, path, positions, velocities, time_step, stand):  #
 
 
 @parallel_kernel
-def _take_stand(count, pairs, path, positions, velocities, time_step, stand):  # type: ignore[no-untyped-def]
+def _take_stand(count, pairs, path, motion, surface, stand):  # type: ignore[no-untyped-def]
     for chunk in prange(CHUNKS):
-        _stand_range(chunk_range(chunk, count), pairs, path, positions, velocities, time_step, stand)
+        _stand_range(chunk_range(chunk, count), pairs, path, motion, surface, stand)
 
 
 @kernel
-def take_stand(pairs, path, reach, positions, velocities, time_step, stand):  # type: ignore[no-untyped-def]
+def take_stand(pairs, path, reach, motion, surface, stand):  # type: ignore[no-untyped-def]
     """Stand of the pairs that are due in a step in which no node goes farther than `reach` m, after a `path` m since detection; they are the first of
-    `stand.looked`. Returns their number."""
+    `stand.looked`. motion: as of `keep_apart`; surface: of the body. Returns their number."""
     count = 0
     for n in range(len(pairs.due)):
         stand.looked[count] = n
         if pairs.due[n] <= path + reach:
             count += 1
     if count > 0:
-        _take_stand(count, pairs, path, positions, velocities, time_step, stand)
+        _take_stand(count, pairs, path, motion, surface, stand)
     return count
 
 
@@ -433,13 +453,15 @@ def room_for(pairs: Pairs, nodes: int) -> Stand:
 
 
 def make_pairs(vertex_triangle: np.ndarray, edge_edge: np.ndarray, gap: np.ndarray, friction: np.ndarray) -> Pairs:
-    """Pairs from node rows (N,4) of both kinds. gap, friction: (P,) of the nodes; a pair takes the mean of its two elements' means. All are due."""
+    """Pairs from node rows (N,4) of both kinds. gap, friction: (P,) of the nodes; a pair takes the mean of its two elements' means. All are due,
+    and of cloth with cloth."""
     nodes = indices(np.concatenate([vertex_triangle, edge_edge]).reshape(-1, 4))
     kind = np.repeat(indices([VERTEX_TRIANGLE, EDGE_EDGE]), [len(vertex_triangle), len(edge_edge)])
     share = np.where(kind[:, None] == VERTEX_TRIANGLE, [3 / 6, 1 / 6, 1 / 6, 1 / 6], 1 / 4)
     count = len(nodes)
     gaps, frictions = (share * gap[nodes]).sum(axis=1), (share * friction[nodes]).sum(axis=1)
-    return Pairs(nodes, kind, gaps, frictions, np.full(count, 2.0), np.zeros(count), np.zeros(count), np.zeros((count, 4)))
+    outside = np.full(count, -1, dtype=np.int32)
+    return Pairs(nodes, kind, gaps, frictions, np.full(count, 2.0), outside, np.zeros(count), np.zeros(count), np.zeros((count, 4)))
 
 
 def joined(*parts: Pairs) -> Pairs:

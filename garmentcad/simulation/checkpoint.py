@@ -12,7 +12,7 @@ from garmentcad.cloth.state import State
 from garmentcad.errors import CheckpointError
 from garmentcad.io.atomic import write_atomic
 
-SCHEMA = 2
+SCHEMA = 3
 
 
 def save_state(path: Path, state: State, identity: dict[str, str]) -> None:
