@@ -7,6 +7,7 @@ import pytest
 
 from garmentcad.constraints.points import ConstraintPoints, PointRows, apply_bonds, correct_speeds, demand_speeds, stitch_rows
 from garmentcad.errors import InputError
+from garmentcad.simulation.sewing import HOLDING_RATE
 
 
 def run(constraint: ConstraintPoints, x: np.ndarray, v: np.ndarray, force: np.ndarray, inverse_masses: np.ndarray, dt: float, steps: int) -> None:
@@ -47,6 +48,33 @@ def test_what_a_shank_leaves_free_turns_with_its_cloth_in_every_step() -> None:
         velocities = np.zeros((4, 3))
         apply_bonds(constraint.bonds(np.zeros((1, 3)), np.zeros((1, 3))), positions, 1e-3, velocities)
         assert np.abs(velocities).max() < 1e-15
+
+
+def test_end_that_contact_keeps_from_its_share_leaves_a_spring_of_the_rate() -> None:
+    """Contact keeps particle 1 where it is; a force F pulls particle 0 from it. A gap C that stays demands the speed -r C / 2 of the two, of which each takes
+    half: particle 0 is at rest where F dt / m - (F dt / m + r C / 2) / 2 = 0. So C = 2 F dt / (m r)."""
+    mass, pull, dt = 1e-4, 0.1, 70e-6
+    gaps = []
+    for rate in (150.0, HOLDING_RATE):
+        constraint = ConstraintPoints(stitch_rows(np.array([[0, 1]]), ("button",)), np.full(2, 1.0 / mass), rate)
+        bonds = constraint.bonds(np.zeros((1, 3)), np.zeros((1, 3)))
+        x, v = np.zeros((2, 3)), np.zeros((2, 3))
+        for _ in range(20000):
+            v[0, 1] += dt * pull / mass
+            apply_bonds(bonds, x, dt, v)
+            v[1] = 0.0
+            x += dt * v
+        gaps.append(x[0, 1])
+        assert np.abs(v).max() < 1e-9
+        assert x[0, 1] == pytest.approx(2.0 * pull * dt / (mass * rate), rel=1e-6)
+    assert gaps[1] < 0.2 * gaps[0]
+
+
+def test_steps_too_long_for_the_rate_take_a_lower_one() -> None:
+    x, v = np.array([[1e-3, 0.0, 0.0], [0.0, 0.0, 0.0]]), np.zeros((2, 3))
+    constraint = ConstraintPoints(stitch_rows(np.array([[0, 1]]), ("pin",)), np.ones(2), rate=1e5)
+    run(constraint, x, v, np.zeros((2, 3)), np.ones(2), 1e-3, 200)
+    assert np.abs(constraint.gaps(x)).max() < 1e-8
 
 
 def test_cycle_of_stitches_is_solved_and_named() -> None:

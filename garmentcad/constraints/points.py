@@ -30,6 +30,8 @@ from garmentcad.arrays import floats, indices, kernel, long_kernel
 from garmentcad.errors import InputError
 from garmentcad.geometry.closest import cross, dot, minus, row
 
+_FASTEST = math.sqrt(0.1)  # of rate times step, so that ks dt^2 < 0.1
+
 
 @dataclass(frozen=True)
 class PointRows:
@@ -133,7 +135,7 @@ def _aim(free, normal_of, positions, normals):  # type: ignore[no-untyped-def]
 @kernel
 def demand_speeds(bonds, positions, time_step):  # type: ignore[no-untyped-def]
     """Demanded C' after this step, in place, from the gaps and the demanded C' at its beginning."""
-    rate = bonds.numbers[0]
+    rate = min(bonds.numbers[0], _FASTEST / time_step)
     for r in range(len(bonds.targets)):
         least_speed = bonds.least[r]
         gap = _row_times(bonds.jacobian, r, positions)
@@ -211,8 +213,9 @@ def no_bonds() -> Bonds:
 class ConstraintPoints:
     """All point constraints of a cloth, solved together at each step.
 
-    rate: closing rate r [1/s]; ks = r^2, and ks dt^2 must stay below 0.1. cap: largest force of a row [N]. least_speed: floor of the closing speed [m/s],
-    one or (R,). nodes: number of particles and nodes of a body, as many as the positions have that it is given; default: the particles alone.
+    rate: closing rate r [1/s]; ks = r^2, and steps so long that ks dt^2 would exceed 0.1 take a lower one. cap: largest force of a row [N].
+    least_speed: floor of the closing speed [m/s], one or (R,). nodes: number of particles and nodes of a body, as many as the positions have that it is
+    given; default: the particles alone.
     `loaded`: the multipliers stay what they were. Where contact holds against a constraint, what each of them carries depends on the inertia of the moment;
     whether forces balance does not.
     `redundant` names rows that repeat others (they are solved by least squares).
