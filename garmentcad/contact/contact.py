@@ -93,6 +93,7 @@ def respond(contact, motion, way, covered, fastest):  # type: ignore[no-untyped-
     if part * speed > reach:
         part = reach / speed
     path[0] += part * speed * time_step
+    planes.path[0] += part * speed * time_step
     return part, worst, work, speed
 
 
@@ -160,7 +161,7 @@ class Contact:
         state.contact |= {f"planes_{key}": array for key, array in fresh_planes(state.positions, self._path is not None)._asdict().items()}
         state.contact["body_pace"] = np.zeros(4)
         if self._body is None:
-            state.contact["planes_allowance"][:] = np.inf
+            state.contact["planes_due"][:] = np.inf
         self.place(state, 0.0)
         self._find_pairs(state, 0.0)
 

@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
-from garmentcad.arrays import CHUNKS, chunk_range, indices, kernel, long_kernel, parallel_kernel
+from garmentcad.arrays import CHUNKS, chunk_range, indices, inlined_kernel, kernel, long_kernel, parallel_kernel
 from garmentcad.contact.planes import allowed, demanded, held
 from garmentcad.geometry.closest import CORNER, EDGE, FACE, along, cross, dot, minus, point_triangle, row, segment_segment, unit
 
@@ -86,13 +86,13 @@ def combined(w, a, b, c, d):  # type: ignore[no-untyped-def]
     return along(along((w[1] * b[0], w[1] * b[1], w[1] * b[2]), c, w[2]), d, w[3])
 
 
-@kernel
+@inlined_kernel
 def _row4(array, index):  # type: ignore[no-untyped-def]
     """Row `index` of an (N,4) array as a tuple."""
     return array[index, 0], array[index, 1], array[index, 2], array[index, 3]
 
 
-@kernel
+@inlined_kernel
 def _four(points, nodes):  # type: ignore[no-untyped-def]
     return row(points, nodes[0]), row(points, nodes[1]), row(points, nodes[2]), row(points, nodes[3])
 
@@ -183,7 +183,7 @@ def _push(nodes, weights, impulse, planes, motion):  # type: ignore[no-untyped-d
         velocities[node, 0], velocities[node, 1], velocities[node, 2] = v
 
 
-@kernel
+@inlined_kernel
 def _impel(nodes, weights, impulse, inverse_masses, free):  # type: ignore[no-untyped-def]
     """Impulse on the four nodes of a pair, in their velocities free of planes."""
     for corner in range(4):
@@ -192,7 +192,7 @@ def _impel(nodes, weights, impulse, inverse_masses, free):  # type: ignore[no-un
         free[node, 0], free[node, 1], free[node, 2] = u
 
 
-@kernel
+@inlined_kernel
 def _settle(node, planes, grip, motion, free):  # type: ignore[no-untyped-def]
     """Velocity of a node after its planes. What they take, with friction, is no impulse of a pair: it comes back when the pair presses less. So it is taken
     anew from the velocity without it, `free`; and where pairs are content, the planes' own response afterwards changes nothing."""
@@ -203,13 +203,13 @@ def _settle(node, planes, grip, motion, free):  # type: ignore[no-untyped-def]
     velocities[node, 0], velocities[node, 1], velocities[node, 2] = u
 
 
-@kernel
+@inlined_kernel
 def _copy_rows(nodes, source, target):  # type: ignore[no-untyped-def]
     for node in nodes:
         target[node, 0], target[node, 1], target[node, 2] = source[node, 0], source[node, 1], source[node, 2]
 
 
-@kernel
+@inlined_kernel
 def _give(nodes, weights, inverse_masses):  # type: ignore[no-untyped-def]
     """Change of the relative velocity for a unit impulse, 1/kg."""
     give = 0.0

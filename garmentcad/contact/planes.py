@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
-from garmentcad.arrays import CHUNKS, chunk_range, kernel, long_kernel, parallel_kernel
+from garmentcad.arrays import CHUNKS, chunk_range, inlined_kernel, kernel, long_kernel, parallel_kernel
 from garmentcad.contact.bvh import box_distance2, node_after
 from garmentcad.contact.carry import anchor, row_at
 from garmentcad.geometry.closest import FACE, along, cross, distance_between, dot, minus, mixed, point_triangle, row, unit
@@ -48,6 +48,8 @@ class Planes(NamedTuple):
     held: np.ndarray  # (P,) int32 planes, 0 to 2
     normal: np.ndarray  # (P,2,3) unit
     room: np.ndarray  # (P,2) m, at home
+    due: np.ndarray  # (P,) m, path at which the particle may need a look or meet its plane; past where it stands on one, or on two, or the body moves
+    path: np.ndarray  # (1,) m, of the fastest nodes since the beginning: no particle goes farther
     # Of a body that moves; else without rows.
     face: np.ndarray  # (P,2) int32 that each plane rides on
     weights: np.ndarray  # (P,2,3) of its point below home
@@ -201,14 +203,14 @@ def _look(p, surface, tree, grip, x, reaches, planes, rows, motion, pace):  # ty
         planes.allowance[p] = 0.25 * MARGIN
 
 
-@kernel
+@inlined_kernel
 def rooms(planes, p, place, x):  # type: ignore[no-untyped-def]
     """Unit normal of a plane of particle p, and the room of x above it, m."""
     normal = (planes.normal[p, place, 0], planes.normal[p, place, 1], planes.normal[p, place, 2])
     return normal, planes.room[p, place] + dot(normal, minus(x, row(planes.home, p)))
 
 
-@kernel
+@inlined_kernel
 def _cone(v, slide, limit):  # type: ignore[no-untyped-def]
     """v without its part `slide`, or with that part shortened by `limit` m/s."""
     size = math.sqrt(dot(slide, slide))
@@ -216,7 +218,7 @@ def _cone(v, slide, limit):  # type: ignore[no-untyped-def]
     return along(v, slide, -share)
 
 
-@kernel
+@inlined_kernel
 def demanded(room, time_step):  # type: ignore[no-untyped-def]
     """Least speed of separation, m/s, for a contact with this room, m: negative while it may still approach, positive where it stands below its gap."""
     if room > CLOSED:
@@ -224,7 +226,7 @@ def demanded(room, time_step):  # type: ignore[no-untyped-def]
     return min(PUSH_SPEED, max(0.0, -CLOSED - room) / max(PUSH_TIME, time_step))
 
 
-@kernel
+@inlined_kernel
 def _on_one(v, n, least, mu):  # type: ignore[no-untyped-def]
     """v with at least the speed `least` along n, with friction and without."""
     press = max(0.0, least - dot(v, n))
@@ -245,7 +247,7 @@ def _on_both(v, n1, n2, least1, least2, mu):  # type: ignore[no-untyped-def]
     return _cone(v, (speed * line[0], speed * line[1], speed * line[2]), mu * (press1 + press2)), v
 
 
-@kernel
+@inlined_kernel
 def _hold(p, planes, mu, x, v, time_step):  # type: ignore[no-untyped-def]
     """Velocity of particle p that its planes allow, and the part of it that friction took; v and both relative to the first plane's."""
     n1, room1 = rooms(planes, p, 0, x)
@@ -272,7 +274,7 @@ def _hold(p, planes, mu, x, v, time_step):  # type: ignore[no-untyped-def]
     return v, lost
 
 
-@kernel
+@inlined_kernel
 def held(p, planes, mu, x, v, time_step):  # type: ignore[no-untyped-def]
     """Velocity that the planes of particle p, at least one, leave of v, and the part of it that friction took; mu: friction of the particle on the body."""
     if len(planes.face) == 0:
@@ -302,12 +304,13 @@ def _respond_of(particles, body, planes, grip, motion, pace, out):  # type: igno
     rows = np.empty((_LISTED, 2))
     total = largest_square = 0.0
     for p in range(particles[0], particles[1]):
-        x, v = row(positions, p), row(velocities, p)
-        square = dot(v, v)
-        if planes.allowance[p] == math.inf or inverse_masses[p] == 0.0:
+        v = row(velocities, p)
+        square, ahead = dot(v, v), planes.due[p] - planes.path[0]
+        if inverse_masses[p] == 0.0 or (ahead > 0.0 and ahead * ahead > max(square, PUSH_SPEED * PUSH_SPEED) * time_step * time_step):
             # A speed that is not a number must not hide behind a comparison that is false.
             largest_square = max(largest_square, square) if square == square else math.inf
             continue
+        x = row(positions, p)
         speed, nearer = math.sqrt(square), 0.0
         if moving:
             # Near the body relative to the face below, and by what the body bends; else by all that the body moves.
@@ -318,10 +321,17 @@ def _respond_of(particles, body, planes, grip, motion, pace, out):  # type: igno
             speed, nearer = speed + pace[2 + near], pace[near] - planes.travel[p, near]
         # What a push adds to the way is no faster than its own cap.
         reserve = max(speed, PUSH_SPEED) * time_step
-        if distance_between(positions, planes.home, p) + nearer + reserve > planes.allowance[p]:
+        gone = distance_between(positions, planes.home, p)
+        if gone + nearer + reserve > planes.allowance[p]:
+            gone = 0.0
             margin = max(MARGIN, 2.0 * reserve, min(_STEPS_PER_LOOK * speed * time_step, _MOST))
             _look(p, surface, tree, grip, x, (largest, margin, nearer), planes, rows, (positions, velocities, time_step), pace)
-        if planes.held[p] > 0 and (planes.held[p] > 1 or rooms(planes, p, 0, x)[1] <= CLOSED + reserve):
+        room = math.inf if planes.held[p] == 0 else -math.inf
+        if planes.held[p] == 1:
+            room = rooms(planes, p, 0, x)[1] - CLOSED
+        if not moving:
+            planes.due[p] = planes.path[0] + min(planes.allowance[p] - gone, room)
+        if room <= reserve:
             v, lost = held(p, planes, grip.friction[p], x, v, time_step)
             rest = minus(v, row_at(planes.drift, p, 0)) if moving else v
             total += dot(lost, rest) / inverse_masses[p]
@@ -348,6 +358,6 @@ def fresh_planes(positions: np.ndarray, moving: bool) -> Planes:
     ride = count if moving else 0
     return Planes(
         positions.copy(), np.full(count, -np.inf), np.full(count, np.inf), np.zeros(count, np.int32), np.zeros((count, 2, 3)), np.zeros((count, 2)),
-        np.zeros((ride, 2), np.int32), np.zeros((ride, 2, 3)), np.zeros((ride, 2, 3)), np.zeros((ride, 2)), np.zeros((ride, 2)), np.zeros((ride, 2, 3)),
-        np.zeros((ride, 2)),
+        np.full(count, -np.inf), np.zeros(1), np.zeros((ride, 2), np.int32), np.zeros((ride, 2, 3)), np.zeros((ride, 2, 3)), np.zeros((ride, 2)),
+        np.zeros((ride, 2)), np.zeros((ride, 2, 3)), np.zeros((ride, 2)),
     )  # fmt: skip
