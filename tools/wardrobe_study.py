@@ -27,6 +27,7 @@ MEN = ("man-100", "man-92", "man-116")
 FABRICS = {
     "flared-skirt": ("wool-suiting", "cotton-shirting", "silk-habotai"),
     "knit-top": ("interlock-knit", "ponte-roma", "stretch-twill"),
+    "lined-skirt": ("wool-suiting", "wool-tropical", "polyester-tropical"),
     "mens-shirt": ("cotton-shirting", "polycotton-twill", "silk-habotai"),
     "pleated-skirt": ("wool-suiting", "wool-tropical", "polyester-tropical"),
     "sheath-dress": ("wool-dress", "cotton-shirting", "polyester-satin"),
