@@ -31,6 +31,14 @@ def test_every_format_gives_the_same_closed_surface(tmp_path, ending):
     assert len(vertices) == len(egg().vertices)
 
 
+def test_names_in_an_obj_may_be_in_any_encoding(tmp_path):
+    path = tmp_path / "body.obj"
+    egg().export(path)
+    expected = read_mesh(path)[0]
+    path.write_bytes("o Körper\n".encode("latin-1") + path.read_bytes())
+    assert (read_mesh(path)[0] == expected).all()
+
+
 @pytest.mark.parametrize(("factor", "unit"), [(1, None), (100, None), (1000, None), (1 / 0.0254, "inch"), (10, "dm")])
 def test_units_are_found_or_given(tmp_path, factor, unit):
     path = tmp_path / "body.obj"

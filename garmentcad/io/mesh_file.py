@@ -83,6 +83,9 @@ def _check_claims(raw: bytes, ending: str, file: str) -> None:
 def _load(raw: bytes, ending: str, file: str) -> tuple[np.ndarray, np.ndarray]:
     import trimesh  # takes a while, and bodies that are no scans do without it
 
+    if ending == ".obj":
+        # Numbers are the same in all encodings, and trimesh asks for one more package where a name is not in UTF-8.
+        raw = raw.decode("utf-8", errors="replace").encode()
     try:
         with np.errstate(invalid="ignore"):  # values that are not finite are refused below, by name
             scene = trimesh.load_scene(io.BytesIO(raw), file_type=ending[1:], process=False, skip_materials=True)
