@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 
 from garmentcad.arrays import floats, frozen, indices, rows_by_key
@@ -10,8 +9,6 @@ from garmentcad.cloth.cloth import WARP, WEFT, BendLines, BorderTriangles, Cells
 from garmentcad.fabric.law_shear import stick_way
 from garmentcad.fabric.law_tension import initial_slope
 from garmentcad.fabric.material import MaterialTable
-
-numba.set_num_threads(1)  # small cloths gain nothing from more, and threads that wait for a busy core take milliseconds
 
 H = 0.01
 COLUMNS, ROWS = 5, 6

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 
-import numba
 import numpy as np
 import pytest
 from elastic import elastic
@@ -20,8 +19,6 @@ from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.border import ForceBorder
 from garmentcad.forces.lattice import ForceLattice
-
-numba.set_num_threads(1)  # hundreds of small solves
 
 SLOPE, SHEAR = 2000.0, 45.0  # N/m, N/m per rad
 WIDTH, GRIP_TO_GRIP, STRAIN = 50.0, 150.0, 0.01  # mm, mm

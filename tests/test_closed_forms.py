@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numba
 import numpy as np
 import pytest
 from elastic import linear
@@ -13,8 +12,6 @@ from scipy.linalg import eigh
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.rigs.specimen import Specimen
 from garmentcad.units import GRAVITY_M_S2
-
-numba.set_num_threads(1)
 
 MASS, BENDING = 0.2, 2e-4  # kg/m2, N.m
 GRIP = 2.5  # spacings in the clamp

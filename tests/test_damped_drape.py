@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 import pytest
 
@@ -17,8 +16,6 @@ from garmentcad.io.fabric_file import fabric_path, load_fabric
 from garmentcad.rigs.kes import sheet_materials
 from garmentcad.solve.dynamics import Dynamics
 from garmentcad.solve.strain_limit import strain_limit
-
-numba.set_num_threads(1)
 
 SIDE_MM, GRID_MM, UNTIL_S = 200.0, 20.0, 0.6
 STEPS = 24  # between two looks

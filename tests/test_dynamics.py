@@ -144,7 +144,6 @@ def test_same_bits_on_any_number_of_threads() -> None:
         dynamics.start(state)
         dynamics.advance(state, 300)
         found.add(state.sha256())
-    numba.set_num_threads(numba.config.NUMBA_NUM_THREADS)
     assert len(found) == 1
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numba
 import numpy as np
 import pytest
 from scipy.optimize import minimize
@@ -45,8 +44,6 @@ def fabric() -> MaterialTable:
         friction_cloth=0.26 * one,
     )
 
-
-numba.set_num_threads(1)  # small cloths gain nothing from more, and threads that wait for a busy core take milliseconds
 
 MATERIALS = fabric()
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numba
 import numpy as np
 import pytest
 import trimesh
@@ -22,8 +21,6 @@ from garmentcad.forces.internal import internal_forces
 from garmentcad.solve.dynamics import Dynamics
 from garmentcad.solve.strain_limit import strain_limit
 from garmentcad.units import GRAVITY_M_S2
-
-numba.set_num_threads(1)  # a few dozen particles
 
 MU = 0.35
 SLIP_DEG = math.degrees(math.atan(MU))

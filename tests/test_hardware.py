@@ -308,14 +308,10 @@ def test_same_bits_for_two_threads_and_after_a_checkpoint(tmp_path: Path, monkey
     monkeypatch.setattr(running, "FEWEST_CELLS", 1.0)
     monkeypatch.setattr(running, "CHECKPOINT_EVERY_S", 0.0)
     made = job(everything, max_time_s=1.6)
-    before = numba.get_num_threads()
     found = []
-    try:
-        for threads in (1, 2):
-            numba.set_num_threads(threads)
-            found.append(draped(made).state)
-    finally:
-        numba.set_num_threads(before)
+    for threads in (1, 2):
+        numba.set_num_threads(threads)
+        found.append(draped(made).state)
     assert found[0].sha256() == found[1].sha256()
     for phase, least in (("close", 0.3), ("fall", 1.3)):
         path = tmp_path / f"{phase}.npz"

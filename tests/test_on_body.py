@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 
-import numba
 import numpy as np
 import pytest
 import trimesh
@@ -37,8 +36,6 @@ from garmentcad.pattern.pattern import EdgeUse, Seam
 from garmentcad.solve.dynamics import Dynamics
 from garmentcad.solve.strain_limit import strain_limit
 from garmentcad.units import GRAVITY_M_S2
-
-numba.set_num_threads(1)  # a few hundred particles
 
 W = 0.2  # kg/m2
 MU = 0.3

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numba
 import numpy as np
 import pytest
 from elastic import linear
@@ -12,8 +11,6 @@ from scipy.sparse import coo_array
 from scipy.sparse.linalg import spsolve
 
 from garmentcad.rigs.bias_extension import LENGTH_MM, WIDTH_MM, bias_extension
-
-numba.set_num_threads(1)
 
 YARNS, SHEAR = 2000.0, 20.0  # N/m, N/m per rad
 SMALL_MM = 0.5

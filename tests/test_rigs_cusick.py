@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numba
 import numpy as np
 import pytest
 
@@ -15,8 +14,6 @@ from garmentcad.rigs import cusick
 from garmentcad.rigs.cusick import CLAMPED, HANDLED, Drape, Drapemeter
 from garmentcad.rigs.kes import sheet_materials
 from garmentcad.units import GRAVITY_M_S2
-
-numba.set_num_threads(1)
 
 COTTON = sheet_materials(load_fabric(fabric_path("cotton-broad")).sheet)
 ELASTIC = without_friction(COTTON)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numba
 import numpy as np
 import pytest
 
@@ -20,8 +19,6 @@ from garmentcad.rigs.shear import clamped_share, printed_shear, shear_test
 from garmentcad.rigs.specimen import Specimen
 from garmentcad.rigs.tension import tension_test
 from garmentcad.units import GF_CM2_CM_TO_N_M, GF_CM_DEG_TO_N_M_RAD
-
-numba.set_num_threads(1)
 
 SHEET = load_fabric(fabric_path("wool-suiting")).sheet
 MATERIALS = sheet_materials(SHEET)

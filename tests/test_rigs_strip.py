@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 import pytest
 
@@ -11,8 +10,6 @@ from garmentcad.io.fabric_file import fabric_path, load_fabric
 from garmentcad.rigs.kes import sheet_materials
 from garmentcad.rigs.strip import loop_drop, overhang
 from garmentcad.units import GRAVITY_M_S2
-
-numba.set_num_threads(1)
 
 ELASTIC = without_friction(sheet_materials(load_fabric(fabric_path("wool-suiting")).sheet))
 # Gamma = W g L^3/B: tip drop over reach, by shooting from the tip (an initial value problem in the slope, error below 1e-6)
