@@ -8,9 +8,10 @@ from typing import Any
 import numba
 import numpy as np
 
-from garmentcad.arrays import indices, kernel, long_kernel
+from garmentcad.arrays import kernel, long_kernel
 from garmentcad.cloth.cloth import WEFT, Cloth
 from garmentcad.fabric.material import MaterialTable
+from garmentcad.forces.arcs import gather_corners
 from garmentcad.forces.bend import ForceBend, across_lines, bend_row
 from garmentcad.forces.cell import cell_row
 from garmentcad.forces.force import NO_PARTICLE, Gauge
@@ -19,15 +20,16 @@ from garmentcad.forces.shear import LawShear
 from garmentcad.forces.stretch import COEFFICIENTS, LawStretch, stretch_row
 from garmentcad.forces.twist import LawTwist
 
-# Where the coefficients of the elements lie (18,S): of weft and of warp links, of cells (shear, twist), of weft and of warp lines. See `write_rows` of each
+# Where the coefficients of the elements lie (19,S): of weft and of warp links, of cells (shear, twist), of weft and of warp lines. See `write_rows` of each
 # law.
-_C_WEFT, _C_WARP, _C_CELL, _C_BEND, _C_ALL = 0, COEFFICIENTS, 2 * COEFFICIENTS, 2 * COEFFICIENTS + 6, 2 * COEFFICIENTS + 10
-_WAYS = [2, COEFFICIENTS + 2, _C_CELL + 3, _C_CELL + 5, _C_BEND + 1, _C_BEND + 3]  # em and d: so large that what is no element never moves its slider
+_C_WEFT, _C_WARP, _C_CELL, _C_BEND, _C_ALL = 0, COEFFICIENTS, 2 * COEFFICIENTS, 2 * COEFFICIENTS + 7, 2 * COEFFICIENTS + 11
+_WAYS = [2, COEFFICIENTS + 2, _C_CELL + 3, _C_CELL + 6, _C_BEND + 1, _C_BEND + 3]  # em and d: so large that what is no element never moves its slider
 # Where the sliders lie (6,S): of weft and of warp links, shear, twist, weft and warp lines, in the order of force.CURVES.
 _S_WEFT, _S_WARP, _S_CELL, _S_BEND, SLIDERS = 0, 1, 2, 4, 6
-# Where the fields of a block lie in its room (38,R): places, velocities and presence; directions of links, weft and warp, in their place later cells; pull
-# and turn of the weft, of the warp; sliders after; energy lost.
-_MOTION, _LINES, _WEFT, _WARP, _AFTER, _LOST, _ALL = 0, 7, 19, 25, 31, 37, 38
+# Where the fields of a block lie in its room (41,R): places, velocities (in their place later what neighbours of cells bear) and presence; directions of
+# links, weft and warp, in their place later cells; pull and turn of the weft, of the warp; sliders after; energy lost.
+_MOTION, _LINES, _WEFT, _WARP, _AFTER, _LOST, _ALL = 0, 7, 22, 28, 34, 40, 41
+_ARCS = 3
 _CELL = _LINES
 _SUMS = 8  # partial sums of what a block loses, so that the additions need not wait for each other
 
@@ -58,11 +60,15 @@ def _sum(span, room, total):  # type: ignore[no-untyped-def]
         # cells in which the slot is corner 00, 10, 11, 01
         c00, c10 = room[_CELL + axis, first:], room[_CELL + 3 + axis, first - 1 :]
         c11, c01 = room[_CELL + 6 + axis, first - up - 1 :], room[_CELL + 9 + axis, first - up :]
+        # sums of the arcs over the cells around the slot and its neighbours
+        arcs, east, west = room[_ARCS + axis, first:], room[_ARCS + axis, first + 1 :], room[_ARCS + axis, first - 1 :]
+        north, south = room[_ARCS + axis, first + up :], room[_ARCS + axis, first - up :]
         into = total[axis, first:]
         for i in range(np.uint64(count)):
+            around = ((east[i] + west[i]) + (north[i] + south[i])) - 4.0 * arcs[i]
             along_weft = (weft[i] - weft_before[i]) + (turn_behind[i] - turn[i])
             along_warp = (warp[i] - warp_before[i]) + (warp_turn_behind[i] - warp_turn[i])
-            into[i] = (along_weft + along_warp) + ((c00[i] + c10[i]) + (c11[i] + c01[i]))
+            into[i] = (along_weft + along_warp) + (((c00[i] + c10[i]) + (c11[i] + c01[i])) - around)
 
 
 @kernel
@@ -98,18 +104,18 @@ def _total(first, count, lost):  # type: ignore[no-untyped-def]
 
 @long_kernel
 def lattice_block(k, blocks, fabric, setting, positions, velocities, rooms, out):  # type: ignore[no-untyped-def]
-    """One block; fabric: coefficients (18,S), sliders (6,S). It reads sliders of the rows around it, which another thread may be moving: a slider that was
+    """One block; fabric: coefficients (19,S), sliders (6,S). It reads sliders of the rows around it, which another thread may be moving: a slider that was
     moved for these positions is not moved again, so that it does not matter. Returns the energy lost [J]."""
     coefficients, sliders = fabric
     room = rooms[numba.get_thread_id()]
     first, size, up = np.int64(blocks.first[k]), np.int64(blocks.size[k]), np.int64(blocks.columns[k])
     beside = np.int64(1)  # a literal would make the row kernels compile for a type of its own
     h = setting[0]
-    # slots from here on lie in the room: the lines of the rows below and above need a row more at either end
-    origin = (first - 2 * up - LANES) // LANES * LANES
+    # slots from here on lie in the room: the cells two rows below and one above need a row more at either end
+    origin = (first - 3 * up - LANES) // LANES * LANES
     motion, lines, pull, after, lost = room[_MOTION:_LINES], room[_LINES:_WEFT], room[_WEFT:_AFTER], room[_AFTER:_LOST], room[_LOST]
     lost[:] = 0.0
-    _load((origin, first + size + 2 * up + 1 - origin), blocks.particle, positions, velocities, motion)
+    _load((origin, first + size + 3 * up + 1 - origin), blocks.particle, positions, velocities, motion)
     # from the last multiple of LANES before the first element that is needed to the first one behind the last
     last = first + size + up - 1
     begin = (first - up - 1) // LANES * LANES
@@ -124,10 +130,13 @@ def lattice_block(k, blocks, fabric, setting, positions, velocities, rooms, out)
     count = (last + LANES - begin) // LANES * LANES
     bends = sliders[_S_BEND:], after[_S_BEND:], lost
     bend_row((begin - origin, up, count), origin, coefficients[_C_BEND:], h, motion, lines, pull, bends)
-    begin = (first - up - 1) // LANES * LANES
-    count = (first + size - 1 + LANES - begin) // LANES * LANES
+    begin = (first - 2 * up - 1) // LANES * LANES
+    count = (last + LANES - begin) // LANES * LANES
     cells = sliders[_S_CELL:], after[_S_CELL:], lost
     cell_row((begin - origin, up, count), origin, coefficients[_C_CELL:], setting, motion, room[_CELL:_WEFT], cells)
+    begin = (first - up) // LANES * LANES
+    count = (last + LANES - begin) // LANES * LANES
+    gather_corners((begin - origin, up, count), room[_CELL + 12 : _WEFT], motion[_ARCS:])
     begin = first // LANES * LANES
     count = (first + size - 1 + LANES - begin) // LANES * LANES
     _sum((begin - origin, up, count), room, motion)
@@ -138,7 +147,7 @@ def lattice_block(k, blocks, fabric, setting, positions, velocities, rooms, out)
 
 @kernel
 def write_lattice(blocks, coefficients, setting, rooms, sliders, positions, velocities, out):  # type: ignore[no-untyped-def]
-    """Force on the particle of each slot into out (S,3); setting: h [m], damping time [s]; rooms (threads,38,R): scratch of each thread. Returns the energy
+    """Force on the particle of each slot into out (S,3); setting: h [m], damping time [s]; rooms (threads,41,R): scratch of each thread. Returns the energy
     lost [J]."""
     lost = 0.0
     for k in range(len(blocks.first)):
@@ -177,9 +186,9 @@ class ForceLattice:
         if stretch in self.laws:
             stretch.write_rows(self._coefficients[:_C_CELL])
         if shear in self.laws:
-            shear.write_rows(self._coefficients[_C_CELL : _C_CELL + 4])
+            shear.write_rows(self._coefficients[_C_CELL : _C_CELL + 5])
         if twist in self.laws:
-            twist.write_rows(self._coefficients[_C_CELL + 4 : _C_BEND])
+            twist.write_rows(self._coefficients[_C_CELL + 5 : _C_BEND])
         if bend in self.laws:
             bend.write_rows(slots, inner.direction, self._coefficients[_C_BEND:])
         numba.get_num_threads()  # starts the threads: before that a thread has no number by which it finds its room
@@ -251,9 +260,8 @@ def contour_lines(cloth: Cloth, materials: MaterialTable) -> ForceBend:
 def _inner(cloth: Cloth, slots: LatticeSlots) -> np.ndarray:
     """(B,) bool: bend lines between lattice neighbours at full spacing, whose centres have a neighbour across them too: a normal."""
     lines = cloth.bends
-    whole = (lines.weight_a == 0.0) & (lines.weight_b == 0.0)
+    whole = slots.whole_lines(lines)
     whole &= np.isclose(lines.length_a, cloth.spacing, rtol=1e-9) & np.isclose(lines.length_b, cloth.spacing, rtol=1e-9)
-    whole &= slots.is_lattice_line(indices(lines.center), lines.arm_a[:, 0], lines.arm_b[:, 0], lines.direction)
     inner = np.flatnonzero(whole)
     whole[inner] = (slots.across(lines.center[inner], lines.direction[inner]) != lines.center[inner, None]).any(axis=1)
     return whole

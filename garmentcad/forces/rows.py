@@ -1,6 +1,6 @@
 """The lattice as padded rows: where lattice forces are computed, so that neighbours lie at fixed distances and long loops use wide instructions.
 
-Every panel's lattice fills a rectangle of slots, row after row, with an empty slot at the end of each row and one empty row below and above. Slot i has its
+Every panel's lattice fills a rectangle of slots, row after row, with an empty slot at the end of each row and empty rows below and above. Slot i has its
 weft neighbour at i + 1 and its warp neighbour at i + columns. Every slot carries every element (weft link i to i + 1, warp link, cell to the upper right,
 weft and warp bend line centred at i); where an element does not exist, as at the end of a row, its coefficients are 0. So loops run on over row breaks.
 Blocks of rows are computed each by itself, elements first, then each slot adds up what concerns it, in one fixed order; elements between two blocks are
@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from garmentcad.arrays import indices
-from garmentcad.cloth.cloth import WARP, WEFT, Cloth
+from garmentcad.cloth.cloth import WARP, WEFT, BendLines, Cloth
 from garmentcad.forces.force import NO_PARTICLE
 
 BLOCK = 1536  # slots of a block, about: so many that what is computed twice at its ends does not count, so few that its fields stay in a near cache
@@ -40,7 +40,7 @@ def aligned_zeros(*shape: int) -> np.ndarray:
 
 class Blocks(NamedTuple):
     """Blocks of whole rows of one panel each. particle: (S,) int32 of each slot, NO_PARTICLE where it is empty; first, size, columns: (K,) int32 first slot
-    and slots of each block, and columns of its panel. Two rows and a few slots more, at either end of a block, are slots too."""
+    and slots of each block, and columns of its panel. Three rows and a few slots more, at either end of a block, are slots too."""
 
     particle: np.ndarray
     first: np.ndarray
@@ -61,7 +61,7 @@ class LatticeSlots:
             if len(mine) == 0:
                 continue
             width, height = place[mine].max(axis=0) + np.array([2, 1])  # an empty slot ends each row: neighbours across it are none
-            start = max(end + width + 1, 2 * width + 2 * LANES)
+            start = max(end + 2 * width + 1, 3 * width + 2 * LANES)
             slot[mine] = start + place[mine, 1] * width + place[mine, 0]
             rows = np.linspace(0, height, min(max(1, round(width * height / BLOCK)), height) + 1).astype(np.int64)
             table += [(start + a * width, (b - a) * width, width) for a, b in itertools.pairwise(rows)]
@@ -77,7 +77,7 @@ class LatticeSlots:
         occupant = np.full(self.count, NO_PARTICLE)
         occupant[slot] = particle
         self.blocks = Blocks(indices(occupant), *(indices(column) for column in np.array(table, dtype=np.int64).reshape(-1, 3).T))
-        self.room = padded(max((size + 4 * width for _, size, width in table), default=0) + 5 * LANES)
+        self.room = padded(max((size + 6 * width for _, size, width in table), default=0) + 5 * LANES)
         self._columns = np.zeros(self.count, dtype=np.int64)
         for begin, size, width in table:
             self._columns[begin : begin + size] = width
@@ -99,12 +99,12 @@ class LatticeSlots:
                 found[mine, k] = np.where(there == NO_PARTICLE, center[mine], there)
         return found
 
-    def is_lattice_line(self, center: np.ndarray, arm_a: np.ndarray, arm_b: np.ndarray, direction: np.ndarray) -> np.ndarray:
-        """(N,) bool: lines of three particles whose arms are the two neighbours of the centre along `direction` (N,)."""
-        found = np.zeros(len(center), dtype=bool)
+    def whole_lines(self, lines: BendLines) -> np.ndarray:
+        """(B,) bool: lines whose arms are the two neighbours of the centre in the lattice."""
+        center, found = lines.center, np.zeros(len(lines.center), dtype=bool)
         for axis in (WARP, WEFT):
-            chosen = np.flatnonzero((direction == axis) & (self.slot[center] >= 0))
+            chosen = np.flatnonzero((lines.direction == axis) & (self.slot[center] >= 0) & (lines.weight_a == 0.0) & (lines.weight_b == 0.0))
             at = self.slot[center[chosen]]
             step = self.step(at, axis)
-            found[chosen] = (self.slot[arm_a[chosen]] == at - step) & (self.slot[arm_b[chosen]] == at + step)
+            found[chosen] = (self.slot[lines.arm_a[chosen, 0]] == at - step) & (self.slot[lines.arm_b[chosen, 0]] == at + step)
         return found

@@ -1,10 +1,10 @@
 """Shear (trellis): the angle between warp and weft in each lattice cell.
 
-    u = (x01 + x11 - x00 - x10)/(2 h) mean warp,  w = (x10 + x11 - x00 - x01)/(2 h) mean weft,  gamma = asin(u.w/(|u| |w|))   [rad]
-    E = A g(gamma, s)   [J]      T = g'(gamma, s) + tau G_e dgamma/dt   [N/m]
+    u = (x01 + x11 - x00 - x10)/(2 h) mean warp,  w = (x10 + x11 - x00 - x01)/(2 h) mean weft,  gamma = asin(u.w/(|u| |w|)) + arcs   [rad]
+    E = A g(gamma, s)   [J]      T = g'(gamma, s) + tau G_e dasin/dt   [N/m]
 
-g [J/m2] is what the shear law of the sheet stores, s its slider (fabric/law_shear.py), A the cell's area. Its gradient is exact: T A dgamma/du pulled back
-to the four corners.
+arcs is what cloth that is only bent lacks of an angle of 0 (arcs.py); damping leaves it out. g [J/m2] is what the shear law of the sheet stores, s its slider
+(fabric/law_shear.py), A the cell's area. The gradient is exact: T A dgamma/dx at the four corners and, of arcs, the eight neighbours.
 Source: KES-FB1 shear, which measures the trellis angle; cells of four particles.
 """
 
@@ -15,10 +15,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from garmentcad.arrays import floats, kernel
+from garmentcad.arrays import floats, indices, kernel
 from garmentcad.cloth.cloth import WARP, Cells, Cloth
 from garmentcad.fabric.law_shear import HIGH, LOW, shear_energy, stick_coefficients
 from garmentcad.fabric.material import MaterialTable
+from garmentcad.forces.arcs import NEIGHBOURS, SHARE, bow_and_crossing, cell_neighbours
+from garmentcad.forces.force import NO_PARTICLE
 from garmentcad.forces.rows import LatticeSlots
 from garmentcad.forces.smooth import angle_over_sine
 
@@ -88,45 +90,56 @@ class LawShear:
     name = "shear"
 
     def __init__(self, cloth: Cloth, materials: MaterialTable, slots: LatticeSlots) -> None:
-        self._cells = cloth.cells
+        self._cells, self._neighbours = cloth.cells, cell_neighbours(cloth, slots)
         self._curves = shear_curves(materials, cloth.cells.material)
-        self.corners = cloth.cells.corners.ravel()
+        self._arcs = np.where(self._neighbours[:, 0] == NO_PARTICLE, 0.0, SHARE / cloth.cells.spacing**2)
+        self.corners = indices(np.concatenate([cloth.cells.corners.ravel(), self._neighbours.ravel()]))
         self.way = self._curves.way
         self.at = cell_slots(cloth.cells, slots)
 
     def write_rows(self, out: np.ndarray) -> None:
-        """Into out (4,S), of the cell whose corner 00 is at the slot: G_e A and the stick spring's two times A [J], d [rad]."""
-        area = self._cells.shear_area
-        out[:, self.at] = np.stack([self._curves.stiffness * area, self._curves.low * area, self._curves.rise * area, self._curves.way])
+        """Into out (5,S), of the cell whose corner 00 is at the slot: G_e A and the stick spring's two times A [J], d [rad], SHARE/h^2 [1/m2]."""
+        area, curves = self._cells.shear_area, self._curves
+        out[:, self.at] = np.stack([curves.stiffness * area, curves.low * area, curves.rise * area, curves.way, self._arcs])
 
     def slack(self) -> np.ndarray:
         return np.zeros(len(self.at))
 
-    def _angle_and_lengths(self, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _chords(self, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         x00, x10, x11, x01 = (positions[self._cells.corners[:, k]] for k in range(4))
         half = 0.5 / self._cells.spacing[:, None]
         return angle_and_lengths(half * (x01 + x11 - x00 - x10), half * (x10 + x11 - x00 - x01))
 
     def strain(self, positions: np.ndarray) -> np.ndarray:
-        return self._angle_and_lengths(positions)[0]
+        bow, crossing = bow_and_crossing(positions, self._cells, self._neighbours)
+        return np.asarray(self._chords(positions)[0] + self._arcs * np.sum(bow * crossing, axis=1))
 
     def energy(self, positions: np.ndarray, sliders: np.ndarray) -> float:
         return float(np.sum(shear_energy_at(self._curves, self.strain(positions), sliders) * self._cells.shear_area))
 
     def write_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
-        self._write_bound(*self._angle_and_lengths(positions), out)
+        # |dgamma/dx|^2 = (1/|u|^2 + 1/|w|^2 -+ 2 sin(gamma)/(|u| |w|))/(2 h)^2 at the corners 00 and 11, and at 10 and 01, of chords
+        chords, warp, weft = self._chords(positions)
+        u, w = 1.0 / warp, 1.0 / weft
+        lean = 2.0 * np.sin(chords) * u * w
+        along, across = (np.sqrt(np.maximum(u * u + w * w + sign * lean, 0.0)) / (2.0 * self._cells.spacing) for sign in (-1.0, 1.0))
+        # arcs add their own, and the curvature of bow.crossing: rows of 16 at the corners and 4 at the neighbours
+        bow, crossing = bow_and_crossing(positions, self._cells, self._neighbours)
+        gamma = chords + self._arcs * np.sum(bow * crossing, axis=1)
+        beside = self._arcs * np.linalg.norm(crossing, axis=1)
+        bent = self._arcs * np.linalg.norm(bow, axis=1) + 2.0 * beside
+        tangent = largest_shear_stiffness(self._curves, np.maximum(np.abs(chords), np.abs(gamma))) * self._cells.shear_area
+        scale = tangent * (2.0 * (along + across + 2.0 * bent) + NEIGHBOURS * beside)
+        curved = 4.0 * tangent * (np.abs(gamma) + self.way) * self._arcs
+        corners = np.stack([along, across, along, across], axis=1) + bent[:, None]
+        count = corners.size
+        out[:count] = (corners * scale[:, None] + 4.0 * curved[:, None]).ravel()
+        out[count:] = np.repeat(beside * scale + curved, NEIGHBOURS)
 
     def write_rest_stiffness(self, out: np.ndarray) -> None:
         """Row sums without friction, at rest, wherever the panels lie."""
-        out[:] = np.repeat(self._curves.stiffness * self._cells.shear_area * 2.0 / self._cells.spacing**2, 4)
-
-    def _write_bound(self, gamma: np.ndarray, warp: np.ndarray, weft: np.ndarray, out: np.ndarray) -> None:
-        # |dgamma/dx|^2 = (1/|u|^2 + 1/|w|^2 -+ 2 sin(gamma)/(|u| |w|))/(2 h)^2 at the corners 00 and 11, and at 10 and 01
-        cells, u, w = self._cells, 1.0 / warp, 1.0 / weft
-        lean = 2.0 * np.sin(gamma) * u * w
-        along, across = (np.sqrt(np.maximum(u * u + w * w + sign * lean, 0.0)) / (2.0 * cells.spacing) for sign in (-1.0, 1.0))
-        scale = largest_shear_stiffness(self._curves, gamma) * cells.shear_area * 2.0 * (along + across)
-        out[:] = (np.stack([along, across, along, across], axis=1) * scale[:, None]).ravel()
+        out[: self._cells.corners.size] = np.repeat(self._curves.stiffness * self._cells.shear_area * 2.0 / self._cells.spacing**2, 4)
+        out[self._cells.corners.size :] = 0.0
 
 
 def cell_slots(cells: Cells, slots: LatticeSlots) -> np.ndarray:

@@ -7,8 +7,9 @@ element. Weight is left out, as on the tester, whose specimen stands upright; so
 A clamp lies midway between two held rows: the bend line centred on the last held row stands for half a link on either side. Where rows run across the
 specimen at no constant distance, particles up to RAGGED spacings inside the clamp are held.
 
-Off the grain a bent cell looks sheared: where the strip turns by t between two rows, the diagonal along it is a chord, and the trellis angle t^2/8 too large,
-which costs a moment in proportion to G (h kappa)^2 kappa. So the curvature goes only to t h = LARGEST_TURN x 10 mm there, and the window of B goes along.
+Off the grain a bent cell at a free edge looks sheared: where the strip turns by t between two rows, the diagonal along it is a chord, and the trellis angle
+t^2/8 too large, which costs a moment in proportion to G (h kappa)^2 kappa; inside, arcs leave a part of higher order (forces/arcs.py). So the curvature goes
+only to t h = LARGEST_TURN x 10 mm there, and the window of B goes along.
 """
 
 from __future__ import annotations

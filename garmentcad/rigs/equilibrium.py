@@ -17,7 +17,10 @@ from scipy.sparse.linalg import splu
 
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.errors import GarmentError
+from garmentcad.forces.arcs import cell_neighbours
 from garmentcad.forces.assembly import ForceAssembly
+from garmentcad.forces.force import NO_PARTICLE
+from garmentcad.forces.rows import LatticeSlots
 
 _DISPLACED = 1e-7  # of the lattice spacing, for the differences
 _CONVERGED = 1e-6  # of the lattice spacing: the last correction
@@ -163,6 +166,11 @@ def _felt(cloth: Cloth) -> csr_array:
     for corners in families:
         member = _incidence(corners, count)
         felt = felt + member.T @ member
+    # corners of a cell and its neighbours feel each other
+    neighbours = cell_neighbours(cloth, LatticeSlots(cloth))
+    inside = neighbours[:, 0] != NO_PARTICLE
+    corner, neighbour = _incidence(cloth.cells.corners[inside], count), _incidence(neighbours[inside], count)
+    felt = felt + (corner + neighbour).T @ (corner + neighbour)
     # triangles that share a patch feel each other's corners
     member, of_patch = _incidence(border.corners, count), _incidence(border.patch, len(border.patch_material))
     felt = felt + member.T @ (of_patch @ of_patch.T) @ member
