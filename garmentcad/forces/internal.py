@@ -119,15 +119,17 @@ def _halves(parts: list[int], work: np.ndarray) -> tuple[list[int], list[int]]:
     return halves
 
 
-def internal_forces(cloth: Cloth, materials: MaterialTable, damping_ratio: float = DAMPING_RATIO, fold_angles: np.ndarray | None = None) -> list[Force]:
+def internal_forces(
+    cloth: Cloth, materials: MaterialTable, damping_ratio: float = DAMPING_RATIO, fold_angles: np.ndarray | None = None, arcs: bool = True
+) -> list[Force]:
     """Lattice (stretch, shear, twist, bend), border, bend lines that end on the contour, contour spans, and hinges over seams and folds of `cloth`.
 
-    fold_angles (F,): rest angles of the folds, rad; None for flat ones.
+    fold_angles (F,): rest angles of the folds, rad; None for flat ones. arcs: whether shear is measured with arcs (arcs.py) or with chords alone.
 
     Damping acts along the strain rates of stretch, shear and border with one time tau, so that the highest in-plane mode at rest, the stiffest of the cloth,
     has about `damping_ratio` (0 for none); lower modes have less in proportion to their frequency. Rigid motion is not damped.
     """
-    damped: list[ForceLattice | ForceBorder] = [ForceLattice(cloth, materials), ForceBorder(cloth, materials)]
+    damped: list[ForceLattice | ForceBorder] = [ForceLattice(cloth, materials, arcs=arcs), ForceBorder(cloth, materials)]
     stiffness = np.zeros(cloth.particle_count)
     for force in damped:
         corner_stiffness = np.empty(len(force.corners))

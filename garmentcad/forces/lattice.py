@@ -162,16 +162,16 @@ _Law = LawStretch | LawShear | LawTwist | ForceBend
 class ForceLattice:
     """Stretch, shear, twist and bending of the full lattice of `cloth`; lines that end on the contour are not among them (see `contour_lines`).
 
-    laws: those that act. damping_time: tau [s] of stretch and shear.
+    laws: those that act. damping_time: tau [s] of stretch and shear. arcs: whether shear is measured with them.
     """
 
     name = "lattice"
     LAWS = ("stretch", "shear", "twist", "bend")
 
-    def __init__(self, cloth: Cloth, materials: MaterialTable, laws: tuple[str, ...] = LAWS, damping_time: float = 0.0) -> None:
+    def __init__(self, cloth: Cloth, materials: MaterialTable, laws: tuple[str, ...] = LAWS, damping_time: float = 0.0, arcs: bool = True) -> None:
         slots = LatticeSlots(cloth)
         inner = cloth.bends._replace(**{name: column[_inner(cloth, slots)] for name, column in cloth.bends._asdict().items()})
-        stretch, shear, twist = LawStretch(cloth, materials, slots), LawShear(cloth, materials, slots), LawTwist(cloth, materials, slots)
+        stretch, shear, twist = LawStretch(cloth, materials, slots), LawShear(cloth, materials, slots, arcs), LawTwist(cloth, materials, slots)
         bend = ForceBend(inner, slots.across(inner.center, inner.direction), materials)
         count = slots.count
         row = np.where(inner.direction == WEFT, _S_BEND, _S_BEND + 1)

@@ -89,8 +89,10 @@ class LawShear:
 
     name = "shear"
 
-    def __init__(self, cloth: Cloth, materials: MaterialTable, slots: LatticeSlots) -> None:
+    def __init__(self, cloth: Cloth, materials: MaterialTable, slots: LatticeSlots, arcs: bool = True) -> None:
         self._cells, self._neighbours = cloth.cells, cell_neighbours(cloth, slots)
+        if not arcs:
+            self._neighbours[:] = NO_PARTICLE
         self._curves = shear_curves(materials, cloth.cells.material)
         self._arcs = np.where(self._neighbours[:, 0] == NO_PARTICLE, 0.0, SHARE / cloth.cells.spacing**2)
         self.corners = indices(np.concatenate([cloth.cells.corners.ravel(), self._neighbours.ravel()]))

@@ -290,12 +290,15 @@ def make_dynamics(
     job: Job, cloth: Cloth, materials: MaterialTable, fold_angles: np.ndarray, dressing: bool = False, path: BodyPath | None = None
 ) -> tuple[Dynamics, Callable[[float], ForceAssembly]]:
     """The stepper, and its forces at a softness. dressing: while seams are sewn and folds pressed there are no bands, no weight and no friction, so that cloth
-    slides to where seams close. path: of a body that moves."""
+    slides to where seams close, and shear goes by chords: cloth that is bent as sharply as on its way there is beyond what arcs describe, and a fitted dress of
+    GarmentCode did not close. path: of a body that moves."""
     weight = [] if dressing else [ForceGravity(cloth.masses)]
     bands = [] if dressing or not job.pattern.bands else [ForceBand(band_segments(job.pattern, cloth))]
 
     def forces_at(softness: float) -> ForceAssembly:
-        return ForceAssembly([*internal_forces(cloth, softened(materials, softness), fold_angles=fold_angles), *bands], cloth.particle_count, weight)
+        return ForceAssembly(
+            [*internal_forces(cloth, softened(materials, softness), fold_angles=fold_angles, arcs=not dressing), *bands], cloth.particle_count, weight
+        )
 
     touch = materials
     if dressing:
