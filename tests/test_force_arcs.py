@@ -26,11 +26,11 @@ INSIDE = cell_neighbours(CLOTH, SLOTS)[:, 0] != NO_PARTICLE
 ANGLES = [10.0, 30.0, 45.0, -60.0]  # of the warp against the way round
 
 
-def angles_on_a_cylinder(turn: float, round_: tuple[float, float], along: tuple[float, float]) -> np.ndarray:
+def angles_on_a_cylinder(turn: float, round_: tuple[float, float], along: tuple[float, float], arcs: bool = True) -> np.ndarray:
     """Trellis angles (C,) of the small cloth on a cylinder of curvature turn/H. round_, along: the axis: of a unit of warp, of weft."""
     weft, warp = flat(CLOTH)[:, 0], flat(CLOTH)[:, 1]
     angle, axis = turn / H * (round_[0] * warp + round_[1] * weft), along[0] * warp + along[1] * weft
-    return LawShear(CLOTH, materials(), SLOTS).strain(np.column_stack([H / turn * np.sin(angle), axis, H / turn * np.cos(angle)]))
+    return LawShear(CLOTH, materials(), SLOTS, arcs).strain(np.column_stack([H / turn * np.sin(angle), axis, H / turn * np.cos(angle)]))
 
 
 def with_links_of_their_length(turn: float, c: float, s: float) -> tuple[tuple[float, float], tuple[float, float]]:
@@ -50,6 +50,8 @@ def test_yarns_that_lie_on_a_cylinder(degrees: float) -> None:
     found = angles_on_a_cylinder(turn, (c, s), (-s, c)) / (turn * turn * c * s)
     np.testing.assert_allclose(found[~INSIDE], -1.0 / 6.0, rtol=5e-3)
     np.testing.assert_allclose(found[INSIDE], -1.0 / 24.0, rtol=2e-2)
+    chords = angles_on_a_cylinder(turn, (c, s), (-s, c), arcs=False) / (turn * turn * c * s)
+    np.testing.assert_allclose(chords, -1.0 / 6.0, rtol=5e-3)
 
 
 @pytest.mark.parametrize("degrees", ANGLES)

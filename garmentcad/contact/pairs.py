@@ -219,20 +219,19 @@ def _give(nodes, weights, inverse_masses):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _mark(n, pairs, particles, stand):  # type: ignore[no-untyped-def]
+def _mark(n, pairs, stand):  # type: ignore[no-untyped-def]
     if pairs.impulse[n, 0] > 0.0:
-        nodes = _row4(pairs.nodes, n)
-        by = BY_BODY if max(nodes[0], nodes[1], nodes[2], nodes[3]) >= particles else BY_CLOTH
-        for node in nodes:
+        by = BY_BODY if pairs.outside[n] >= 0 else BY_CLOTH
+        for node in _row4(pairs.nodes, n):
             stand.pressed[node] = max(stand.pressed[node], by)
 
 
 @kernel
-def mark_pressed(pairs, particles, stand):  # type: ignore[no-untyped-def]
-    """Set `stand.pressed` from the impulses of the last step; particles: number of nodes that are the cloth's."""
+def mark_pressed(pairs, stand):  # type: ignore[no-untyped-def]
+    """Set `stand.pressed` from the impulses of the last step."""
     stand.pressed[:] = 0
     for n in range(len(pairs.impulse)):
-        _mark(n, pairs, particles, stand)
+        _mark(n, pairs, stand)
 
 
 @long_kernel
@@ -314,7 +313,7 @@ def keep_apart(count, pairs, stand, planes, grip, fastest, motion):  # type: ign
     stand.pressed[:] = 0
     for c in range(many):
         n = chosen[c]
-        _mark(n, pairs, len(planes.held), stand)
+        _mark(n, pairs, stand)
         p, q, r, s = _four(velocities, _row4(pairs.nodes, n))
         work += dot((pairs.impulse[n, 1], pairs.impulse[n, 2], pairs.impulse[n, 3]), combined(_row4(stand.weights, n), p, q, r, s))
     # The planes' own response follows, with their friction: it needs the velocities with which particles press on the body.

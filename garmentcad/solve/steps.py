@@ -125,7 +125,7 @@ def run_steps(order, controls, laws, sums, bonds, limit, contact, clock):  # typ
     pace, moves = rules[7], len(leg.first) > 0
     dt, count = controls.time_step, len(sums.weight)
     out = np.zeros((CHUNKS, 2))
-    mark_pressed(rules[5], count, rules[6])
+    mark_pressed(rules[5], rules[6])
     motion = (positions, velocities, inverse_masses, dt)
     way, headroom = farthest(positions, home), 0.0
     clock[:] = 0.0
