@@ -150,7 +150,8 @@ def rotation(seed: int) -> np.ndarray:
 
 
 def deformed(cloth: Cloth, kind: str, seed: int = 0) -> np.ndarray:
-    """Randomly rotated positions: "wavy" (small strain), "stretched" (beyond em), "squeezed" (repel), "sheared", "folded" (sharp folds)."""
+    """Randomly rotated positions: "wavy" (small strain), "stretched" (beyond em), "squeezed" (repel), "sheared", "folded" (sharp folds),
+    "crumpled" (turning angles of about a radian from cell to cell, every way)."""
     rng = np.random.default_rng(seed)
     x = flat(cloth)
     if kind == "stretched":
@@ -163,8 +164,10 @@ def deformed(cloth: Cloth, kind: str, seed: int = 0) -> np.ndarray:
         # a ridge across the cloth whose flanks nearly meet: turning angles of about 160 degrees
         away = x[:, 0] - 0.02
         x[:, 0], x[:, 2] = 0.02 + 0.17 * np.abs(away), 0.98 * away
+    elif kind == "crumpled":
+        x[:, 2] += rng.normal(scale=0.3 * H, size=len(x))
     x[:, 2] += 0.002 * np.sin(300.0 * x[:, 0] + 200.0 * x[:, 1])
     return floats((x + rng.normal(scale=0.02 * H, size=x.shape)) @ rotation(seed).T + rng.normal(size=3))
 
 
-KINDS = ("wavy", "stretched", "squeezed", "sheared", "folded")
+KINDS = ("wavy", "stretched", "squeezed", "sheared", "folded", "crumpled")

@@ -63,10 +63,8 @@ def test_case_without_seams_comes_to_rest_clean(monkeypatch: pytest.MonkeyPatch)
     assert row["strain_p99_percent"] == max(strains["warp"], strains["weft"]) < strains["bias"]
     assert row["us_per_step"] == pytest.approx(1e6 * row["drape_wall_s"] / row["steps"])
     assert 0.5 < sum(row["share"].values()) <= 1.0
-    # A coarse lattice is stiff against folds and stands off the ball a little more than the 7 to 10 mm of a fine one. Its few folds form by chance: lays
-    # differ by 4 to 8 mm.
-    others = [run_case(case_job(cloth_on_ball.NAME, GRID_MM, "denim", seed), lambda progress: None) for seed in (1, 2)]
-    assert 5.0 < np.mean([lay["mean_height_mm"] for lay in (row, *others)]) < 25.0
+    # a coarse lattice is stiff against folds and stands off the ball a little more than the 7 to 10 mm of a fine one
+    assert 5.0 < row["mean_height_mm"] < 25.0
 
 
 def test_garments_are_cases_and_others_are_refused() -> None:

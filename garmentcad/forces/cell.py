@@ -8,6 +8,7 @@ from garmentcad.arrays import kernel
 from garmentcad.fabric.internal_friction import dragged
 from garmentcad.fabric.law_bending import STICK
 from garmentcad.fabric.law_shear import stick_stiffness
+from garmentcad.forces.arcs import limited_arc
 from garmentcad.forces.shear import shear_angle
 from garmentcad.forces.twist import LEAST_NORMAL
 
@@ -59,11 +60,12 @@ def cell_row(span, origin, cells, setting, motion, out, held):  # type: ignore[n
         bx = ((xs0[i] + xs1[i]) + (xn0[i] + xn1[i])) + ((xw0[i] + xw1[i]) + (xe0[i] + xe1[i])) - 2.0 * ((x00[i] + x10[i]) + (x11[i] + x01[i]))
         by = ((ys0[i] + ys1[i]) + (yn0[i] + yn1[i])) + ((yw0[i] + yw1[i]) + (ye0[i] + ye1[i])) - 2.0 * ((y00[i] + y10[i]) + (y11[i] + y01[i]))
         bz = ((zs0[i] + zs1[i]) + (zn0[i] + zn1[i])) + ((zw0[i] + zw1[i]) + (ze0[i] + ze1[i])) - 2.0 * ((z00[i] + z10[i]) + (z11[i] + z01[i]))
-        gamma += arc[i] * (bx * sx + by * sy + bz * sz)
+        lean, keen = limited_arc(arc[i] * (bx * sx + by * sy + bz * sz))
+        gamma += lean
         slider = dragged(angle[i], gamma, shear_way[i])
         stick = stick_stiffness(gamma, low[i], rise[i])
         shearing = shear[i] * gamma + stick * (gamma - slider)
-        pull = shearing * arc[i]
+        pull = shearing * keen * arc[i]
         shearing += shear[i] * damping_time * rate
         arc_x[i], arc_y[i], arc_z[i] = pull * sx, pull * sy, pull * sz
         loss = stick_stiffness(0.5 * (gamma + slider), low[i], rise[i]) * shear_way[i] * abs(slider - angle[i])

@@ -19,7 +19,7 @@ from garmentcad.arrays import floats, indices, kernel
 from garmentcad.cloth.cloth import WARP, Cells, Cloth
 from garmentcad.fabric.law_shear import HIGH, LOW, shear_energy, stick_coefficients
 from garmentcad.fabric.material import MaterialTable
-from garmentcad.forces.arcs import NEIGHBOURS, SHARE, bow_and_crossing, cell_neighbours
+from garmentcad.forces.arcs import MOST, NEIGHBOURS, SHARE, bow_and_crossing, cell_neighbours, limited
 from garmentcad.forces.force import NO_PARTICLE
 from garmentcad.forces.rows import LatticeSlots
 from garmentcad.forces.smooth import angle_over_sine
@@ -114,7 +114,7 @@ class LawShear:
 
     def strain(self, positions: np.ndarray) -> np.ndarray:
         bow, crossing = bow_and_crossing(positions, self._cells, self._neighbours)
-        return np.asarray(self._chords(positions)[0] + self._arcs * np.sum(bow * crossing, axis=1))
+        return np.asarray(self._chords(positions)[0] + limited(self._arcs * np.sum(bow * crossing, axis=1))[0])
 
     def energy(self, positions: np.ndarray, sliders: np.ndarray) -> float:
         return float(np.sum(shear_energy_at(self._curves, self.strain(positions), sliders) * self._cells.shear_area))
@@ -125,18 +125,22 @@ class LawShear:
         u, w = 1.0 / warp, 1.0 / weft
         lean = 2.0 * np.sin(chords) * u * w
         along, across = (np.sqrt(np.maximum(u * u + w * w + sign * lean, 0.0)) / (2.0 * self._cells.spacing) for sign in (-1.0, 1.0))
-        # arcs add their own, and the curvature of bow.crossing: rows of 16 at the corners and 4 at the neighbours
+        # arcs add their own, and their curvature: of bow.crossing, with rows of 16 at the corners and 4 at the neighbours, and where they are limited
         bow, crossing = bow_and_crossing(positions, self._cells, self._neighbours)
-        gamma = chords + self._arcs * np.sum(bow * crossing, axis=1)
+        arc = self._arcs * np.sum(bow * crossing, axis=1)
+        lean, keen = limited(arc)
+        gamma = chords + lean
         beside = self._arcs * np.linalg.norm(crossing, axis=1)
         bent = self._arcs * np.linalg.norm(bow, axis=1) + 2.0 * beside
         tangent = largest_shear_stiffness(self._curves, np.maximum(np.abs(chords), np.abs(gamma))) * self._cells.shear_area
         scale = tangent * (2.0 * (along + across + 2.0 * bent) + NEIGHBOURS * beside)
-        curved = 4.0 * tangent * (np.abs(gamma) + self.way) * self._arcs
+        pull = tangent * (np.abs(gamma) + self.way)
+        curved = 4.0 * pull * self._arcs
+        limit = 5.0 * pull * keen * np.abs(lean**3) / MOST**4 * (4.0 * bent + NEIGHBOURS * beside)
         corners = np.stack([along, across, along, across], axis=1) + bent[:, None]
         count = corners.size
-        out[:count] = (corners * scale[:, None] + 4.0 * curved[:, None]).ravel()
-        out[count:] = np.repeat(beside * scale + curved, NEIGHBOURS)
+        out[:count] = (corners * scale[:, None] + (4.0 * curved + bent * limit)[:, None]).ravel()
+        out[count:] = np.repeat(beside * scale + curved + beside * limit, NEIGHBOURS)
 
     def write_rest_stiffness(self, out: np.ndarray) -> None:
         """Row sums without friction, at rest, wherever the panels lie."""
