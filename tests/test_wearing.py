@@ -50,8 +50,11 @@ def revolved() -> Mannequin:
     )  # fmt: skip
 
 
-def band(girth: float, fabric: str, sewn: int = 2, grain: float = 0.0, closed: float | None = None) -> list[Finding]:
-    """A band of two panels around the waist, 60 mm high. closed: in place of its first seam there is a zip, closed so far."""
+def band(
+    girth: float, fabric: str, sewn: int = 2, grain: float = 0.0, closed: float | None = None, below: float | None = None, joined: bool = True
+) -> list[Finding]:
+    """A band of two panels around the waist, 60 mm high. closed: in place of its first seam there is a zip, closed so far. below: there is another band, so
+    far from the lower edge of the first, to which it is to be sewn if joined."""
     panel: dict[str, Any] = {
         "points": {"a": [0, 0], "b": [girth / 2, 0], "c": [girth / 2, 60], "d": [0, 60]},
         "edges": [{"name": name, "from": p, "to": q} for name, p, q in (("low", "a", "b"), ("right", "b", "c"), ("top", "c", "d"), ("left", "d", "a"))],
@@ -62,6 +65,15 @@ def band(girth: float, fabric: str, sewn: int = 2, grain: float = 0.0, closed: f
         {"name": "one", "a": ["front.right.c", "front.right.b"], "b": ["back.left.d", "back.left.a"]},
         {"name": "two", "a": ["back.right.c", "back.right.b"], "b": ["front.left.d", "front.left.a"]},
     ]
+    if below is not None:
+        for seam in list(seams):
+            seams.append({"name": f"{seam['name']}_low", "a": [f"low_{end}" for end in seam["a"]], "b": [f"low_{end}" for end in seam["b"]]})
+        joints: list[dict[str, Any]] = []
+        for name in list(placed):
+            placed[f"low_{name}"] = {"wrap": {**placed[name]["wrap"], "height": 1050 - 60 - below}}
+            joints.append({"name": f"{name}_joined", "a": [f"{name}.low.a", f"{name}.low.b"], "b": [f"low_{name}.top.d", f"low_{name}.top.c"]})
+        seams += joints if joined else []
+        sewn = len(seams)
     panels = {name: {**panel, "placement": placement} for name, placement in placed.items()}
     zips: list[dict[str, Any]] = []
     if closed is not None:
@@ -114,6 +126,12 @@ def test_a_ring_that_is_too_small_for_the_body() -> None:
     assert error.severity == "error"
     assert "the garment measures 600 mm and the body 700 mm: it has to stretch by 16." in error.message
     assert "ease-impossible" not in [finding.code for finding in band(600.0, "interlock-knit")]
+
+
+def test_panels_go_where_their_seams_pull_them() -> None:
+    """A band of 760 mm fits at 1.05 m and not at 0.85 m: that it is laid there says nothing as long as its seam stands so far open."""
+    assert "ease-impossible" in [finding.code for finding in band(760.0, "wool-suiting", below=140.0, joined=False)]
+    assert "ease-impossible" not in [finding.code for finding in band(760.0, "wool-suiting", below=140.0)]
 
 
 def test_openings_of_a_tube() -> None:

@@ -27,7 +27,7 @@ from garmentcad.units import MM_TO_M
 # Pressure at which clothing begins to hurt: 60 to 100 gf/cm2, Denton 1972 (Fit, stretch and comfort, Shirley Institute).
 _PRESSURE_PA = 5.9e3
 _PULL_N_M = 490.3  # tension of a ring that is pulled over something, 500 gf/cm as testers pull; an estimate
-_SLACK_M = 0.045  # a ring may come to lie higher or lower on the body than it was laid by this
+_SLACK_M = 0.045  # a ring may come to lie higher or lower on the body than it was laid by this, and by what its seams stand open
 _ANGLES = 90  # directions between warp and weft that are told apart
 _ABOVE_ANKLE_M, _NECK_M, _BELOW_NECK_M = 0.02, 0.10, 0.15  # below the neck lies a neckline
 _LEAST_MM = 3.0
@@ -78,7 +78,8 @@ def check_wearing(
     seams = [seam.name for seam in pattern.seams]
     worn, put_on = (_sewn(cloth, positions, names) for names in (seams, [seam.name for seam in pattern.seams if seam.closed is None]))
     for part in _parts(body):
-        yield from _check_ease(_rings(pattern, *worn, part), part, materials, file)
+        slack = _SLACK_M + _open_along(part.axis, positions, worn[0].vertex_particle)
+        yield from _check_ease(_rings(pattern, *worn, part), part, slack, materials, file)
         yield from _check_passing(_rings(pattern, *put_on, part), part, materials, file)
 
 
@@ -88,6 +89,15 @@ def _sewn(cloth: Cloth, positions: np.ndarray, seams: Collection[str]) -> tuple[
     count = np.bincount(sewn.vertex_particle, minlength=sewn.particle_count)
     middle = [np.bincount(sewn.vertex_particle, positions[:, axis], sewn.particle_count) / count for axis in range(3)]
     return sewn, np.stack(middle, axis=1)
+
+
+def _open_along(axis: np.ndarray, positions: np.ndarray, particle: np.ndarray) -> float:
+    """How far apart along `axis`, m, vertices at positions (V,3) lie that become one particle (V,): so far panels still go."""
+    along = positions @ axis
+    high, low = np.full(particle.max() + 1, -np.inf), np.full(particle.max() + 1, np.inf)
+    np.maximum.at(high, particle, along)
+    np.minimum.at(low, particle, along)
+    return float((high - low).max())
 
 
 def _parts(body: Mannequin) -> Iterator[_Part]:
@@ -179,13 +189,14 @@ def openings(triangles: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
     return found
 
 
-def _check_ease(rings: list[Ring], part: _Part, materials: MaterialTable, file: str | None) -> Iterator[Finding]:
-    """The ring that is worst off on the body: too small for it at any pull that can be worn, or only at one beyond what its fabric was tested to."""
+def _check_ease(rings: list[Ring], part: _Part, slack: float, materials: MaterialTable, file: str | None) -> Iterator[Finding]:
+    """The ring that is worst off on the body, wherever within `slack` m it comes to lie: too small for it at any pull that can be worn, or only at one beyond
+    what its fabric was tested to."""
     if part.name == "neck":  # where a collar lies is not known before it is draped
         return
     worst: tuple[float, Ring, float, float] | None = None
     for ring in rings:
-        near = part.girths[(np.abs(part.levels - ring.level) <= _SLACK_M) & (part.girths > 0.0)]
+        near = part.girths[(np.abs(part.levels - ring.level) <= slack) & (part.girths > 0.0)]
         girth = float(near.min()) if len(near) else 0.0
         if ring.length_mm < girth - _LEAST_MM:
             tight = ring.extended_mm(materials, None)

@@ -135,7 +135,7 @@ class Contact:
             self._surface, self._tree, rise = self._body.surface, self._body.face_tree, self._body.rise
         cap = LARGEST_GAP * cloth.spacing
         self._largest = float(max(body_gap.max(initial=0.0), min(rise.max(initial=0.0), cap)))
-        self._grip = Grip(body_gap, rise, np.array([cap]), self._body_friction)
+        self._grip = Grip(body_gap, rise, np.array([cap]), self._body_friction.copy())
         self.count, self.nodes = cloth.particle_count, cloth.particle_count + len(self._surface.vertices)
         self.positions = np.concatenate([np.zeros((self.count, 3)), self._surface.vertices])
         self.velocities = np.zeros_like(self.positions)
@@ -150,6 +150,10 @@ class Contact:
         self.set_inverse_masses(1.0 / cloth.masses if inverse_masses is None else inverse_masses)
         self._out = np.zeros((CHUNKS, 2))
         self._stand_for: np.ndarray | None = None
+
+    def let_slip(self, slips: bool) -> None:
+        """Whether particles slide on the body without friction."""
+        self._grip.friction[:] = 0.0 if slips else self._body_friction
 
     def set_inverse_masses(self, inverse_masses: np.ndarray) -> None:
         """Inertia (P,) 1/kg that shares impulses between particles from now on; 0 for a particle that contact must not move."""

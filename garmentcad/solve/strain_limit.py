@@ -33,6 +33,12 @@ def strain_limit(cloth: Cloth, materials: MaterialTable) -> StrainLimit:
     return StrainLimit(np.array(cloth.links.ends), cloth.links.rest_length * (1.0 + limit))
 
 
+def strain_share(positions: np.ndarray, rest_length: np.ndarray, limit: StrainLimit) -> np.ndarray:
+    """Strain (L,) of each link of rest_length (L,), in parts of its limit."""
+    length = np.linalg.norm(positions[limit.ends[:, 1]] - positions[limit.ends[:, 0]], axis=1)
+    return np.asarray((length - rest_length) / (limit.longest - rest_length))
+
+
 @kernel
 def least_headroom(positions, limit):  # type: ignore[no-untyped-def]
     """By how much the link nearest to its limit is shorter than that, m, negative where one is longer; and which one it is (-1: there is none)."""
