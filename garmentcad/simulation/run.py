@@ -44,7 +44,7 @@ from garmentcad.simulation.sewing import Welding, close_seams, hold, weld_state
 from garmentcad.simulation.start import refuse_tangled
 from garmentcad.solve.dynamics import DivergedError, Dynamics, IntersectingError
 from garmentcad.solve.hardware import hardware_rows, redundance_message, redundances
-from garmentcad.solve.strain_limit import strain_limit
+from garmentcad.solve.strain_limit import panels_at_limit, strain_limit
 from garmentcad.units import M_TO_MM, MM_TO_M
 
 JITTER_M = 1e-5  # of the start, so that no fold is decided by round-off
@@ -260,6 +260,8 @@ class _Run:
             self.warnings += welding.open_seams
             status = "max_time" if status == "converged" else status
         self.warnings += [redundance_message(found) for found in redundances(self._hardware(cloth), cloth, self.job.mannequin)]
+        for name, share in panels_at_limit(cloth, self.state.positions, dynamics.limit).items():
+            self.warnings.append(f"panel '{name}' is too tight: {100.0 * share:.0f} % of its links are stretched to the limit of the fabric (1.5 Fm)")
         factor = self.state.run.get("step_factor", 1.0)
         if factor < 1.0:
             self.warnings.append(f"motion ran away at the time step that the stiffness allows; the run went back and on with {factor:g} of it")
