@@ -397,7 +397,7 @@ COLUMNS = {
     "deepest penetration mm": "depth_mm:.2f",
     "cut steps": "cut_steps",
     "steps tested continuously": "watched_steps",
-    "of them passing": "watched_passed",
+    "of them with cloth passing through (ipctk)": "watched_passed",
     "fastest in a frame m/s": "fastest_m_s:.1f",
     "wall s": "wall_s:.0f",
 }
