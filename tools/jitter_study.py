@@ -1,4 +1,4 @@
-"""Every shipped garment from starts that differ: each panel displaced by up to 5 mm and turned by up to 2 degrees.
+"""Every shipped garment, in the fabric that it is drafted for, from starts that differ: each panel displaced by up to 5 mm and turned by up to 2 degrees.
 
 `python -m tools.jitter_study` runs the starts that have no row in docs/studies/jitter.jsonl yet and writes jitter.md; with TEXT only those with TEXT
 in their name.
@@ -25,11 +25,11 @@ from tools.judges import crosses, least_distance_mm
 
 FOLDER = Path(__file__).resolve().parent.parent / "docs" / "studies"
 STARTS = 10
-FABRIC, GRID_MM = "wool-suiting", 20.0
+GRID_MM = 20.0
 KEPT = ("status", "particles", "steps", "simulated_time_s", "wall_time_s", "rest", "seam_gap_mm", "mannequin_penetration_mm", "self_intersections",
         "mannequin_intersections", "ease_mm", "hem_height_mm", "waist_drop_mm", "armhole_to_shoulder_mm", "state_sha256")  # fmt: skip
 COLUMNS = {
-    "start": "case", "status": "status", "steps": "steps", "simulated s": "simulated_time_s:.2f", "residual g": "rest.residual_g_rms:.1e",
+    "start": "case", "fabric": "fabric", "mannequin": "mannequin", "status": "status", "steps": "steps", "simulated s": "simulated_time_s:.2f", "residual g": "rest.residual_g_rms:.1e",
     "crosses (ipctk)": "crosses", "least distance to the body mm (libigl)": "least_distance_mm:.2f", "seam gap mm": "seam_gap_mm.max:.2f",
     "hem mm": "hem_height_mm:.1f",
 }  # fmt: skip
@@ -54,13 +54,13 @@ def main(only: str | None) -> None:
     """Run the study and write its page."""
     cases = []
     for garment in shipped_names("patterns"):
-        job = make_job(garment, FABRIC, grid_mm=GRID_MM)
+        job = make_job(garment, grid_mm=GRID_MM)
         for start in range(STARTS):
             parameters = {"garment": garment, "grid_mm": GRID_MM, "start": start}
-            cases.append(StudyCase(f"{garment} {start}", job.spec_sha256, FABRIC, job.mannequin.name, __version__, parameters))
+            cases.append(StudyCase(f"{garment} {start}", job.spec_sha256, job.spec.fabric, job.mannequin.name, __version__, parameters))
     study = run_study("jitter", cases, run_case, FOLDER, only=only, say=lambda message: print(message, flush=True))
     clean = [row for row in study.rows if row["status"] == "converged" and not row["crosses"] and row["least_distance_mm"] >= 0.0]
-    said = f"{FABRIC}, {GRID_MM:g} mm; every panel displaced by up to {DISPLACED_MM:g} mm and turned by up to {TURNED_DEG:g} degrees; the number is the seed."
+    said = f"{GRID_MM:g} mm; every panel displaced by up to {DISPLACED_MM:g} mm and turned by up to {TURNED_DEG:g} degrees; the number is the seed."
     line = f"{len(clean)} of {len(study.rows)} starts ({len(cases)} planned) end converged, without crossings (ipctk) and outside the body (libigl)."
     spread = ["| garment | starts | hem mm, lowest to highest |", "|---|---|---|"]
     for garment in shipped_names("patterns"):
