@@ -29,7 +29,8 @@ GRID_MM = 20.0
 KEPT = ("status", "particles", "steps", "simulated_time_s", "wall_time_s", "rest", "seam_gap_mm", "mannequin_penetration_mm", "self_intersections",
         "mannequin_intersections", "ease_mm", "hem_height_mm", "waist_drop_mm", "armhole_to_shoulder_mm", "state_sha256")  # fmt: skip
 COLUMNS = {
-    "start": "case", "fabric": "fabric", "mannequin": "mannequin", "status": "status", "steps": "steps", "simulated s": "simulated_time_s:.2f", "residual g": "rest.residual_g_rms:.1e",
+    "start": "case", "fabric": "fabric", "mannequin": "mannequin", "status": "status", "steps": "steps", "simulated s": "simulated_time_s:.2f",
+    "residual g": "rest.residual_g_rms:.1e",
     "crosses (ipctk)": "crosses", "least distance to the body mm (libigl)": "least_distance_mm:.2f", "seam gap mm": "seam_gap_mm.max:.2f",
     "hem mm": "hem_height_mm:.1f",
 }  # fmt: skip

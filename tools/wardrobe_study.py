@@ -11,15 +11,16 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from garmentcad import __version__
 from garmentcad.export.drape import finish
+from garmentcad.io.atomic import write_atomic
 from garmentcad.io.shipped import shipped_names
 from garmentcad.simulation.job import make_job
-from garmentcad.simulation.study import StudyCase, StudyRun, run_study, write_study_table
+from garmentcad.simulation.study import Row, StudyCase, StudyRun, run_study, study_table
 from tools.judges import crosses, least_distance_mm
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -42,6 +43,7 @@ FABRICS = {
 BODIES = {"t-shirt": WOMEN + MEN, "trousers": WOMEN + MEN, "mens-shirt": MEN, "knit-top": WOMEN + MEN}
 KEPT = ("status", "particles", "steps", "simulated_time_s", "seam_gap_mm", "mannequin_penetration_mm", "self_intersections", "mannequin_intersections",
         "pattern_ease_mm", "ease_mm", "hem_height_mm", "waist_drop_mm", "armhole_to_shoulder_mm", "state_sha256", "warnings")  # fmt: skip
+GIRTHS = ("bust", "waist", "hip")
 COLUMNS = {
     "case": "case", "status": "status", "particles": "particles", "steps": "steps", "crosses (ipctk)": "crosses",
     "least distance to the body mm (libigl)": "least_distance_mm:.2f", "seam gap mm": "seam_gap_mm.max:.2f", "ease bust mm": "ease_mm.bust:.0f",
@@ -69,6 +71,20 @@ def run_case(case: StudyCase) -> Mapping[str, Any]:
     return {name: result.report[name] for name in KEPT} | {"crosses": crosses(*shape), "least_distance_mm": least_distance_mm(*shape)}
 
 
+def between_sizes(rows: Sequence[Row]) -> list[Row]:
+    """Largest minus smallest ease of a garment in a fabric over the bodies of a sex, mm, at every girth that all of them have."""
+    found = []
+    for one in dict.fromkeys((row["garment"], row["fabric"], row["mannequin"].partition("-")[0]) for row in rows):
+        eases = [row["ease_mm"] for row in rows if (row["garment"], row["fabric"], row["mannequin"].partition("-")[0]) == one]
+        spread: Row = {"case": " ".join(one[:2]), "bodies": f"{len(eases)}, {one[2]}"}
+        for girth in GIRTHS:
+            values = [ease[girth] for ease in eases if ease.get(girth) is not None]
+            if len(values) == len(eases) > 1:
+                spread[girth] = max(values) - min(values)
+        found.append(spread)
+    return found
+
+
 def main() -> None:
     """Run the study and write its page."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -87,7 +103,11 @@ def main() -> None:
     rows = run_study("wardrobe", whole, run_case, FOLDER, only="\0").rows
     clean = sum(row["status"] == "converged" and not row["crosses"] and row["least_distance_mm"] >= 0.0 for row in rows)
     title = f"The wardrobe at {GRID_MM:g} mm: {len(rows)} of {len(whole)} cases run, {clean} of them at rest without an intersection or a penetration"
-    write_study_table(FOLDER / "wardrobe.md", title, rows, COLUMNS, "python -m tools.wardrobe_study")
+    command = "python -m tools.wardrobe_study"
+    spreads = {"garment, fabric": "case", "bodies": "bodies", **{f"{girth} mm": f"{girth}:.1f" for girth in GIRTHS}}
+    said = "Largest minus smallest draped ease of one draft over all sizes."
+    page = [f"# {title}", "", study_table(rows, COLUMNS, command), "## Ease between sizes", "", said, ""]
+    write_atomic(FOLDER / "wardrobe.md", "\n".join([*page, study_table(between_sizes(rows), spreads, command)]))
     for name, message in study.failed.items():
         print(f"refused: {name}: {message}", file=sys.stderr)
 
