@@ -144,3 +144,5 @@ def test_the_doctor_looks_at_every_garment(folder: Path) -> None:
     found = [finding for finding in examine(folder / "outfit.yaml", grid_mm=10.0) if finding.severity == "error"]
     assert {finding.file for finding in found} == {str(folder / "belt.yaml")}
     assert "seam-twisted" in {finding.code for finding in found}
+    (refused,) = examine(folder / "outfit.yaml", fabric="denim")
+    assert (refused.code, refused.key) == ("refused", "--fabric")

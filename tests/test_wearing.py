@@ -168,6 +168,17 @@ def test_a_shirt_that_does_not_pass_head_or_hand(values: dict[str, float], part:
     assert any(f"around the {part}" in finding.message for finding in found), [str(finding) for finding in found]
 
 
+def test_a_fabric_in_place_of_the_specs() -> None:
+    """The knit top goes over the head in the knit that it is drafted for, not in a twill that gives less than half as much."""
+    assert examine("knit-top", "woman-88") == []
+    (found,) = examine("knit-top", "woman-88", fabric="stretch-twill")
+    assert (found.severity, found.code) == ("warning", "closure-missing")
+    assert "around the neck" in found.message
+    (refused,) = examine("knit-top", "woman-88", fabric="strech-twill")
+    assert (refused.severity, refused.key, refused.file) == ("error", "--fabric", None)
+    assert "did you mean 'stretch-twill'" in refused.message
+
+
 def test_heads_and_hands_of_the_shipped_bodies() -> None:
     """Near the means of the survey of US Army personnel of 1988: head 546 and 568 mm, hand without thumb 186 and 214 mm."""
     for name, head, hand in (("woman-88", 546.0, 186.0), ("man-100", 568.0, 214.0)):

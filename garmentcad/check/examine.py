@@ -16,7 +16,7 @@ from garmentcad.cloth.materials import lay_out_sheets
 from garmentcad.errors import InputError
 from garmentcad.fabric.material import material_row
 from garmentcad.fabric.sheet import KesSheet
-from garmentcad.io.fabric_file import load_fabric
+from garmentcad.io.fabric_file import fabric_path, load_fabric
 from garmentcad.io.mannequin_file import read_mannequin
 from garmentcad.io.outfit_file import read_worn
 from garmentcad.io.shipped import resolve_reference
@@ -28,14 +28,17 @@ from garmentcad.pattern.spec import GarmentSpec
 from garmentcad.placement.place import place_vertices
 
 
-def examine(spec: str | Path | GarmentSpec, mannequin: str | None = None, grid_mm: float = 10.0) -> list[Finding]:
-    """All findings on a garment, or on every garment of an outfit, errors first. spec: a shipped name, a file or a model; mannequin: in place of the spec's.
+def examine(spec: str | Path | GarmentSpec, mannequin: str | None = None, grid_mm: float = 10.0, fabric: str | None = None) -> list[Finding]:
+    """All findings on a garment, or on every garment of an outfit, errors first. spec: a shipped name, a file or a model; mannequin, fabric: a shipped name or
+    a file, in place of the spec's own; an outfit has a fabric for each garment and takes none.
 
     Input that cannot be read at all is a finding too, not an exception. Panels are placed only when they have no errors of their own.
     """
     try:
         read = spec if isinstance(spec, GarmentSpec) else read_worn(spec)
         if not isinstance(read, GarmentSpec):
+            if fabric is not None:
+                raise InputError("an outfit has a fabric for each garment; name them in its file", key="--fabric")
             outfit, garments = read
             worn_by = mannequin if mannequin is not None else str(resolve_reference(outfit.mannequin, "mannequins", spec_folder(outfit)))
             return worst_first([finding for garment in garments for finding in examine(garment, worn_by, grid_mm)])
@@ -47,21 +50,23 @@ def examine(spec: str | Path | GarmentSpec, mannequin: str | None = None, grid_m
     if pattern is None:
         return [refusal(error) for error in errors]
     found = check_pattern(spec, pattern, grid_mm)
-    sheets, faults = _read_sheets(spec, pattern, folder)
+    sheets, faults = _read_sheets(spec, pattern, folder, fabric)
     found += faults or _check_fabrics(spec, pattern, sheets)
     if not any(finding.severity == "error" for finding in found):
         found += _check_placed(spec, pattern, body, sheets, grid_mm)
     return worst_first(found)
 
 
-def _read_sheets(spec: GarmentSpec, pattern: Pattern, folder: Path) -> tuple[dict[str, KesSheet], list[Finding]]:
-    """Every sheet that the pattern names, completed; and a finding for each that cannot be read."""
+def _read_sheets(spec: GarmentSpec, pattern: Pattern, folder: Path, fabric: str | None) -> tuple[dict[str, KesSheet], list[Finding]]:
+    """Every sheet that the pattern names, completed, `fabric` in place of its own; and a finding for each that cannot be read."""
     found, sheets = [], {}
-    for fabric, key in {**named_fabrics(pattern), pattern.fabric: "fabric"}.items():
+    for name, key in {**named_fabrics(pattern), pattern.fabric: "fabric"}.items():
+        other = fabric if name == pattern.fabric else None
+        file, key = (spec.file, key) if other is None else (None, "--fabric")
         try:
-            sheets[fabric] = load_fabric(resolve_reference(fabric, "fabrics", folder)).sheet
+            sheets[name] = load_fabric(resolve_reference(name, "fabrics", folder) if other is None else fabric_path(other)).sheet
         except InputError as error:
-            found.append(refusal(type(error)(error.message, file=error.file or spec.file, key=error.key or key)))
+            found.append(refusal(type(error)(error.message, file=error.file or file, key=error.key or key)))
     return sheets, found
 
 

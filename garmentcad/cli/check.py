@@ -11,13 +11,14 @@ import typer
 
 def check(
     spec: Annotated[str, typer.Argument(help="A shipped garment or a YAML file.")],
+    fabric: Annotated[str | None, typer.Option(help="In place of the spec's.")] = None,
     mannequin: Annotated[str | None, typer.Option(help="In place of the spec's.")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the findings as one JSON object and nothing else.")] = False,
 ) -> None:
     """Find what is wrong with a pattern: every finding with its place, its numbers and a remedy. Exit code 2 only if there are errors."""
     from garmentcad.check.examine import examine
 
-    findings = examine(spec, mannequin)
+    findings = examine(spec, mannequin, fabric=fabric)
     errors = sum(finding.severity == "error" for finding in findings)
     if as_json:
         print(json.dumps({"findings": [asdict(finding) for finding in findings], "errors": errors}))
