@@ -71,6 +71,8 @@ def test_garments_are_cases_and_others_are_refused() -> None:
     assert set(case_names()) >= {"cloth-on-ball", "flared-skirt", "straight-skirt", "t-shirt"}
     job = case_job("t-shirt", 20.0, "denim", 3)
     assert (job.pattern.name, job.fabrics[job.pattern.fabric].sheet.name, job.grid_mm, job.seed) == ("t-shirt", "denim", 20.0, 3)
+    own = case_job("knit-top", 20.0, None, 0)
+    assert own.fabrics[own.pattern.fabric].sheet.name == own.spec.fabric == "interlock-knit"
     with pytest.raises(InputError, match="cloth-on-ball"):
         case_job("cloth-on-bal", 10.0, "denim", 0)
     with pytest.raises(InputError, match="2 to 50 mm"):

@@ -25,8 +25,8 @@ def case_names() -> tuple[str, ...]:
     return (cloth_on_ball.NAME, *shipped_names("patterns"))
 
 
-def case_job(name: str, grid_mm: float, fabric: str, seed: int) -> Job:
-    """The job of a case. fabric: of the garments; W1 has its own. InputError for an unknown name or a grid that is refused."""
+def case_job(name: str, grid_mm: float, fabric: str | None, seed: int) -> Job:
+    """The job of a case. fabric: of the garments, in place of their own; W1 keeps its own. InputError for an unknown name or a grid that is refused."""
     if name not in case_names():
         raise InputError(f"{name[:100]!r} is no case{did_you_mean(name, case_names())}", key="--case")
     if name != cloth_on_ball.NAME:

@@ -19,7 +19,7 @@ _FLOOR_THREADS = (1, 2)
 def bench(
     case: Annotated[list[str] | None, typer.Option(help="A case, may be repeated. Default: cloth-on-ball (workload W1) and all shipped garments.")] = None,
     grid: Annotated[float, typer.Option(help="Lattice spacing in mm.")] = 10.0,
-    fabric: Annotated[str, typer.Option(help="Of the garments; cloth-on-ball has its own.")] = "wool-suiting",
+    fabric: Annotated[str | None, typer.Option(help="Of the garments, in place of the specs' own; cloth-on-ball keeps its own.")] = None,
     threads: Annotated[int | None, typer.Option(help="Threads. Default: one for each core.", min=1, max=64)] = None,
     seed: Annotated[int, typer.Option(help="Of the 0.01 mm jitter of the start.", min=0)] = 0,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else.")] = False,
@@ -82,6 +82,7 @@ def _table(rows: list[dict[str, Any]]) -> Table:
     table.add_column("", style="dim", no_wrap=True)
     for row in rows:
         table.add_column(row["case"], justify="right")
+    table.add_row("fabric", *(row["fabric"] for row in rows))
     for label, key, form in _LINES:
         table.add_row(label, *(number(row[key], form) for row in rows))
     for kind in rows[0]["share"]:
