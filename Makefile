@@ -30,6 +30,11 @@ study: $(VENV)/.installed
 	$(BIN)/python -m tools.cold_start_study
 	$(BIN)/python -m tools.garment_test_study
 	$(BIN)/python -m tools.wardrobe_study
+	$(BIN)/python -m tools.soak_study
+	$(BIN)/python -m tools.movement_study
+	$(BIN)/python -m tools.jitter_study
+	$(BIN)/python -m tools.kill_study
+	$(BIN)/python -m tools.determinism_study
 	$(BIN)/python -m tools.passport_study
 	$(BIN)/python -m tools.drape_study
 	$(BIN)/python -m tools.fuzz_study

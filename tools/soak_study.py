@@ -29,8 +29,8 @@ SLID_MM = 5.0
 GARMENTS = ("trousers", "flared-skirt", "straight-skirt", "pleated-skirt", "wrap-skirt", "lined-skirt")
 STRAPLESS = "strapless top"
 COLUMNS = {
-    "case": "case", "drape": "drape", "particles": "particles", "simulated s": "simulated_s:.1f", "lower after 5 s, mm": "lower_mm.5:.2f",
-    "10 s": "lower_mm.10:.2f", "20 s": "lower_mm.20:.2f", "farthest particle after 20 s, mm": "farthest_mm:.2f",
+    "case": "case", "drape": "drape", "particles": "particles", "simulated s": "simulated_s:.1f", "lower after 5 s, mm": "lower_mm.5:z.2f",
+    "10 s": "lower_mm.10:z.2f", "20 s": "lower_mm.20:z.2f", "farthest particle after 20 s, mm": "farthest_mm:.2f",
     "RMS speed at the end mm/s": "rms_speed_mm_s:.3f",
     "crosses (ipctk)": "crosses", "least distance to the body mm (libigl)": "least_distance_mm:.2f",
 }  # fmt: skip
