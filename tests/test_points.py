@@ -37,17 +37,18 @@ def test_gap_decays_as_critical_damping_whatever_forces_pull() -> None:
     assert np.allclose((v / inverse_masses[:, None]).sum(axis=0) - momentum, force.sum(axis=0) * t, atol=1e-9)
 
 
-def test_what_a_shank_leaves_free_turns_with_its_cloth_in_every_step() -> None:
-    """A button 1 mm above its cloth on a shank of 2 mm; the cloth has turned since the constraints were laid out."""
-    rows = PointRows(np.array([0, 0]), np.array([0, 1]), np.array([1.0, -1.0]), np.zeros((1, 3)), ("button",), np.array([2e-3]), np.array([[1, 2, 3]]))
-    flat = np.array([[0.0, 0.0, 1e-3], [0.0, 0.0, 0.0], [0.01, 0.0, 0.0], [0.0, 0.01, 0.0]])
-    turned = flat[:, [2, 0, 1]]  # about the diagonal, by 120 degrees
-    constraint = ConstraintPoints(rows, np.ones(4), rate=100.0)
-    constraint.aim(flat)
-    for positions in (flat, turned):
-        velocities = np.zeros((4, 3))
-        apply_bonds(constraint.bonds(np.zeros((1, 3)), np.zeros((1, 3))), positions, 1e-3, velocities)
-        assert np.abs(velocities).max() < 1e-15
+def test_a_row_holds_within_its_shank_and_decays_to_it_from_outside() -> None:
+    """Two points on a thread of 2 mm: 1 mm apart they stay so; from 12 mm apart the 10 mm beyond it decay as (1 + r t) exp(-r t), along the line."""
+    rows = PointRows(np.array([0, 0]), np.array([0, 1]), np.array([1.0, -1.0]), np.zeros((1, 3)), ("button",), np.array([2e-3]))
+    constraint = ConstraintPoints(rows, np.ones(2), rate=10.0)
+    x, v = np.array([[0.0, 0.6e-3, 0.8e-3], [0.0, 0.0, 0.0]]), np.array([[0.0, 0.3, 0.0], [0.0, 0.0, 0.1]])
+    apply_bonds(constraint.bonds(np.zeros((1, 3)), np.zeros((1, 3))), x, 1e-4, v)
+    assert v == pytest.approx(np.tile([0.0, 0.15, 0.05], (2, 1)), abs=1e-15)
+    x, v = 12e-3 * np.array([[0.0, 0.6, 0.8], [0.0, 0.0, 0.0]]), np.zeros((2, 3))
+    assert constraint.gaps(x)[0] == pytest.approx([0.0, 6e-3, 8e-3])
+    run(constraint, x, v, np.zeros((2, 3)), np.ones(2), 1e-5, 30000)
+    left = 10e-3 * (1.0 + 3.0) * np.exp(-3.0)
+    assert x[0] - x[1] == pytest.approx((2e-3 + left) * np.array([0.0, 0.6, 0.8]), rel=1e-3)
 
 
 def test_end_that_contact_keeps_from_its_share_leaves_a_spring_of_the_rate() -> None:

@@ -9,8 +9,8 @@ The correction is applied to velocities after the forces: what the multipliers a
 C' is carried along as it was demanded, not as contact left it: a contact that stops one end would otherwise feed the force on the stopped end into the
 other end, step by step. A multiplier is a force and has a cap, so that a seam that cannot close does not tear the cloth.
 
-A button holds its buttonhole beside it, but not on it: between both lies the cloth, and some thread. Along the normal n of the cloth below such a row is free
-from 0 to its shank: C leaves the part of C.n out that lies between the two, and C'.n is only kept from leading farther out in a step than the shank allows.
+A row may have a shank: points that are joined by a thread. Within its length C is 0, and the row holds them as they are; beyond it
+C = (1 - shank/|d|) d with d = sum_k w_k x_k - target.
 
 The last millimetres of an exponential decay are slow, and two ends that are pressed onto both flanks of a ridge of the body are driven apart faster than it
 demands: they would stand still before they meet. So a closing speed has a floor, until the way left is less than ten steps of it.
@@ -28,7 +28,7 @@ from scipy.sparse.csgraph import connected_components
 
 from garmentcad.arrays import floats, indices, kernel, long_kernel
 from garmentcad.errors import InputError
-from garmentcad.geometry.closest import cross, dot, minus, row
+from garmentcad.geometry.closest import dot
 
 _FASTEST = math.sqrt(0.1)  # of rate times step, so that ks dt^2 < 0.1
 
@@ -37,8 +37,7 @@ _FASTEST = math.sqrt(0.1)  # of rate times step, so that ks dt^2 < 0.1
 class PointRows:
     """Rows of constraints. row, particle, weight: (K,) entries of J; targets (R,3) m; names (R,) what each row serves (a seam, a pin).
 
-    The nodes of a body are numbered after the particles: an entry there ties a row to the body wherever that moves. shank: (R,) m, along which a row is free on
-    the outer side of a triangle of the cloth; normal_of: (R,3) its particles.
+    The nodes of a body are numbered after the particles: an entry there ties a row to the body wherever that moves. shank: (R,) m, within which C is 0.
     """
 
     row: np.ndarray
@@ -47,12 +46,11 @@ class PointRows:
     targets: np.ndarray
     names: tuple[str, ...]
     shank: np.ndarray
-    normal_of: np.ndarray
 
     @classmethod
     def plain(cls, row: np.ndarray, particle: np.ndarray, weight: np.ndarray, targets: np.ndarray, names: tuple[str, ...]) -> PointRows:
         """Rows whose targets stand still."""
-        return cls(row, particle, weight, targets, names, np.zeros(len(targets)), np.zeros((len(targets), 3), dtype=np.int32))
+        return cls(row, particle, weight, targets, names, np.zeros(len(targets)))
 
 
 def joined_rows(first: PointRows, second: PointRows) -> PointRows:
@@ -64,7 +62,6 @@ def joined_rows(first: PointRows, second: PointRows) -> PointRows:
         np.concatenate([first.targets, second.targets]),
         first.names + second.names,
         np.concatenate([first.shank, second.shank]),
-        np.concatenate([first.normal_of, second.normal_of]),
     )
 
 
@@ -72,7 +69,7 @@ def rows_where(rows: PointRows, kept: np.ndarray) -> PointRows:
     """Those of the rows that `kept` (R,) bool names."""
     entries, number = kept[rows.row], np.cumsum(kept) - 1
     names = tuple(rows.names[k] for k in np.flatnonzero(kept))
-    return PointRows(number[rows.row[entries]], rows.particle[entries], rows.weight[entries], rows.targets[kept], names, rows.shank[kept], rows.normal_of[kept])
+    return PointRows(number[rows.row[entries]], rows.particle[entries], rows.weight[entries], rows.targets[kept], names, rows.shank[kept])
 
 
 def stitch_rows(stitches: np.ndarray, names: tuple[str, ...]) -> PointRows:
@@ -98,13 +95,9 @@ class Bonds(NamedTuple):
     targets: np.ndarray  # (R,3) m
     wanted: np.ndarray  # (R,3) m/s
     forces: np.ndarray  # (R,3) N, multipliers
-    normals: np.ndarray  # (R,3) along which a row is free; 0 for those that are not
     shanks: np.ndarray  # (R,) m
-    bounds: np.ndarray  # (R,2) m/s, scratch: least and largest speed along the normal in this step
     least: np.ndarray  # (R,) m/s, floor of the closing speed
     numbers: np.ndarray  # (3,) rate 1/s, largest force N, 1 where the forces stay as they are
-    free: np.ndarray  # (F,) int32 rows that are free along a normal
-    normal_of: np.ndarray  # (F,3) int32 particles of the triangle whose normal that is
 
 
 @kernel
@@ -117,33 +110,17 @@ def _row_times(rows, r, vectors):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _along(normals, r, vector):  # type: ignore[no-untyped-def]
-    return normals[r, 0] * vector[0] + normals[r, 1] * vector[1] + normals[r, 2] * vector[2]
-
-
-@kernel
-def _aim(free, normal_of, positions, normals):  # type: ignore[no-untyped-def]
-    """Turn the `normals` (R,3) of the rows `free` (F,), in place, to those of the triangles `normal_of` (F,3) at these positions."""
-    for f in range(len(free)):
-        a, b, c = row(positions, normal_of[f, 0]), row(positions, normal_of[f, 1]), row(positions, normal_of[f, 2])
-        normal = cross(minus(b, a), minus(c, a))
-        length = max(math.sqrt(dot(normal, normal)), 1e-30)
-        for axis in range(3):
-            normals[free[f], axis] = normal[axis] / length
-
-
-@kernel
 def demand_speeds(bonds, positions, time_step):  # type: ignore[no-untyped-def]
     """Demanded C' after this step, in place, from the gaps and the demanded C' at its beginning."""
     rate = min(bonds.numbers[0], _FASTEST / time_step)
     for r in range(len(bonds.targets)):
         least_speed = bonds.least[r]
-        gap = _row_times(bonds.jacobian, r, positions)
-        outside = _along(bonds.normals, r, gap) - _along(bonds.normals, r, bonds.targets[r])
-        free = min(max(outside, 0.0), bonds.shanks[r])
+        x, y, z = _row_times(bonds.jacobian, r, positions)
+        away = x - bonds.targets[r, 0], y - bonds.targets[r, 1], z - bonds.targets[r, 2]
+        share = max(0.0, 1.0 - bonds.shanks[r] / max(math.sqrt(dot(away, away)), 1e-12)) if bonds.shanks[r] > 0.0 else 1.0
         length = along = 0.0
         for axis in range(3):
-            difference = gap[axis] - bonds.targets[r, axis] - free * bonds.normals[r, axis]
+            difference = share * away[axis]
             bonds.wanted[r, axis] = (1.0 - 2.0 * rate * time_step) * bonds.wanted[r, axis] - rate**2 * time_step * difference
             length += difference * difference
             along -= difference * bonds.wanted[r, axis]
@@ -151,10 +128,7 @@ def demand_speeds(bonds, positions, time_step):  # type: ignore[no-untyped-def]
         lacking = min(least_speed, 0.1 * length / time_step) - along / length
         if least_speed > 0.0 and lacking > 0.0:
             for axis in range(3):
-                bonds.wanted[r, axis] -= lacking * (gap[axis] - bonds.targets[r, axis] - free * bonds.normals[r, axis]) / length
-        wanted = _along(bonds.normals, r, bonds.wanted[r])
-        bonds.bounds[r, 0] = wanted if outside < 0.0 else -math.inf
-        bonds.bounds[r, 1] = wanted if outside > bonds.shanks[r] else (bonds.shanks[r] - outside) / time_step
+                bonds.wanted[r, axis] -= lacking * share * away[axis] / length
 
 
 @kernel
@@ -164,10 +138,8 @@ def correct_speeds(bonds, time_step, velocities):  # type: ignore[no-untyped-def
     lacking = np.empty((count, 3))
     for r in range(count):
         speed = _row_times(bonds.jacobian, r, velocities)
-        now = _along(bonds.normals, r, speed)
-        outward = min(max(now, bonds.bounds[r, 0]), bonds.bounds[r, 1]) - _along(bonds.normals, r, bonds.wanted[r])
         for axis in range(3):
-            lacking[r, axis] = bonds.wanted[r, axis] + outward * bonds.normals[r, axis] - speed[axis]
+            lacking[r, axis] = bonds.wanted[r, axis] - speed[axis]
     for r in range(count):
         impulse = _row_times(bonds.solved, r, lacking)
         size = math.sqrt(impulse[0] ** 2 + impulse[1] ** 2 + impulse[2] ** 2)
@@ -193,8 +165,6 @@ def apply_bonds(bonds, positions, time_step, velocities):  # type: ignore[no-unt
     if bonds.numbers[2] > 0.0:
         push(bonds, time_step, velocities)
     else:
-        # In every step: a normal that lags behind its cloth, by a few milliseconds, swings it.
-        _aim(bonds.free, bonds.normal_of, positions, bonds.normals)
         demand_speeds(bonds, positions, time_step)
         correct_speeds(bonds, time_step, velocities)
 
@@ -207,7 +177,7 @@ def no_bonds() -> Bonds:
     """No constraint at all."""
     empty = Rows(np.zeros(1, np.int32), np.zeros(0, np.int32), np.zeros(0))
     none = np.zeros((0, 3))
-    return Bonds(empty, empty, empty, none, none, none, none, np.zeros(0), np.zeros((0, 2)), np.zeros(0), np.zeros(3), indices([]), indices(none))
+    return Bonds(empty, empty, empty, none, none, none, np.zeros(0), np.zeros(0), np.zeros(3))
 
 
 class ConstraintPoints:
@@ -226,18 +196,12 @@ class ConstraintPoints:
     ) -> None:
         self.names, self.cap, self.least_speed = rows.names, cap, least_speed
         self.targets, self.rate = rows.targets, rate
-        self._shanks, self._normals = rows.shank, np.zeros_like(rows.targets)
-        self._free = indices(np.flatnonzero(rows.shank > 0.0))
-        self._normal_of = indices(rows.normal_of[self._free])
+        self._shanks = rows.shank
         count = len(inverse_masses) if nodes is None else nodes
         self._jacobian: csr_matrix = coo_matrix((rows.weight, (rows.row, rows.particle)), shape=(len(rows.targets), count)).tocsr()
         self.loaded = False
         self.redundant: tuple[str, ...] = ()
         self.set_inverse_masses(inverse_masses)
-
-    def aim(self, positions: np.ndarray) -> None:
-        """Turn the normals of the rows that are free along one to those of cloth at these positions."""
-        _aim(self._free, self._normal_of, floats(positions), self._normals)
 
     def set_inverse_masses(self, inverse_masses: np.ndarray) -> None:
         """Masses (P,) 1/kg changed: factor the blocks anew. InputError where a row holds only fixed particles away from their target."""
@@ -271,9 +235,9 @@ class ConstraintPoints:
         self.redundant = tuple(sorted(redundant))
 
     def gaps(self, positions: np.ndarray) -> np.ndarray:
-        """C (R,3), m; positions: of all nodes, as in `speeds`. Normals are those of the last `aim`."""
-        gap = self._jacobian @ positions - self.targets
-        return gap - np.clip((gap * self._normals).sum(axis=1), 0.0, self._shanks)[:, None] * self._normals
+        """C (R,3), m; positions: of all nodes, as in `speeds`."""
+        away = self._jacobian @ positions - self.targets
+        return away * (1.0 - self._shanks / np.maximum(np.linalg.norm(away, axis=1), np.maximum(self._shanks, 1e-12)))[:, None]
 
     def speeds(self, velocities: np.ndarray) -> np.ndarray:
         """C' (R,3), m/s, for targets at rest."""
@@ -286,7 +250,7 @@ class ConstraintPoints:
     def bonds(self, wanted: np.ndarray, forces: np.ndarray) -> Bonds:
         """The constraints as `apply_bonds` needs them; wanted, forces (R,3): the demanded C' and the multipliers, which it changes in place."""
         return Bonds(
-            _rows(self._jacobian), _rows(self._solved), _rows(self._spread), floats(self.targets), wanted, forces, floats(self._normals),
-            floats(self._shanks), np.zeros((len(wanted), 2)), floats(np.broadcast_to(self.least_speed, len(wanted))),
-            floats([self.rate, self.cap, float(self.loaded)]), self._free, self._normal_of,
+            _rows(self._jacobian), _rows(self._solved), _rows(self._spread), floats(self.targets), wanted, forces, floats(self._shanks),
+            floats(np.broadcast_to(self.least_speed, len(wanted))),
+            floats([self.rate, self.cap, float(self.loaded)]),
         )  # fmt: skip

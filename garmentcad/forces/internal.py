@@ -66,7 +66,7 @@ def write_internal(laws, positions, velocities, corner_forces):  # type: ignore[
     _write_all(
         deal, first, blocks, coefficients, setting, rooms, border[0], bend[0], span[0], hinge[0], a, b, c, d, positions, velocities, corner_forces, lost,
     )  # fmt: skip
-    write_bands(bands, positions, corner_forces[first[5] :])
+    write_bands(bands, positions, velocities, corner_forces[first[5] :])
 
 
 class Deal(NamedTuple):

@@ -95,6 +95,8 @@ def _folds(spec: PleatsSpec, edge: Edge, edges: Sequence[Edge], marks: Sequence[
             begin = start + place * along
             ray = begin + _SAME_MM * 10.0 * inward, begin + MAX_COORDINATE_MM * inward
             hits = [other.curve.points_at(at)[0] for other in edges for at in meeting(other.curve, *ray)]
+            if not hits:
+                raise SpecError(f"the folds of pleat {k + 1} run from edge {spec.edge!r} across the panel and meet no other edge of it", key=key)
             end = min(hits, key=lambda hit: float((hit - begin) @ inward))
             found.append(FoldLine(f"{spec.name}_{k + 1}{name}", np.array([begin, end]), turn, *more))
     return found

@@ -10,10 +10,12 @@ from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.pattern import Pattern, Transform
 from garmentcad.placement.pleats import folded
 from garmentcad.placement.wrap import transform_points, wrap_points
+from garmentcad.units import M_TO_MM
 
 
 def place_vertices(pattern: Pattern, cloth: Cloth, mannequin: Mannequin) -> np.ndarray:
-    """World positions (V,3) in m of all cloth vertices, not yet sewn. SpecError where a rule names a body part that the mannequin lacks."""
+    """World positions (V,3) in m of all cloth vertices, not yet sewn. SpecError where a rule names a body part that the mannequin lacks,
+    or an offset to within its axis."""
     positions = np.empty((len(cloth.vertex_uv_mm), 3))
     for index, name in enumerate(cloth.panel_names):
         panel = pattern.panels[name]
@@ -25,5 +27,10 @@ def place_vertices(pattern: Pattern, cloth: Cloth, mannequin: Mannequin) -> np.n
         if rule.part not in mannequin.cylinders:
             message = f"mannequin {mannequin.name} has no part '{rule.part}'; allowed: {', '.join(mannequin.cylinders)}"
             raise SpecError(message, key=f"panels.{name}.placement.wrap.part")
-        positions[chosen] = wrap_points(uv_mm, rule, mannequin.cylinders[rule.part], lift_mm)
+        around = mannequin.cylinders[rule.part]
+        thinnest = M_TO_MM * min(around.radius_ref, around.radius_side)
+        if thinnest + rule.offset_mm <= 0.0:
+            message = f"an offset of {rule.offset_mm:g} mm leaves nothing of the cylinder around '{rule.part}': allowed is more than {-thinnest:.0f} mm"
+            raise SpecError(message, key=f"panels.{name}.placement.wrap.offset")
+        positions[chosen] = wrap_points(uv_mm, rule, around, lift_mm)
     return positions

@@ -103,7 +103,8 @@ class Course:
     """Runs the phases after sewing on welded cloth, and looks every STEPS_PER_LOOK steps. All that decides lies in `state`: a resumed run decides alike.
 
     forces_at(softness): the forces with tension divided by softness. max_time_s: cap on simulated time.
-    softness: of the fall in mode 'drape'. last: whether this is the lattice of the job; on a coarser one the course is over when most of the fall is.
+    softness: of the fall in mode 'drape'. last: whether this is the lattice of the job; on a coarser one the course is over when most of the fall is. buttoned:
+    whether the garment has buttons.
     mode: 'drape' (equalised masses, damping of fall and settle) or 'dynamics' (true masses, light damping).
     """
 
@@ -115,9 +116,10 @@ class Course:
         max_time_s: float,
         softness: float = SOFTNESS,
         last: bool = True,
+        buttoned: bool = False,
     ) -> None:
         self.dynamics, self.forces_at, self.mode, self.max_time_s, self.is_last = dynamics, forces_at, mode, max_time_s, last
-        self._softness = softness
+        self._softness, self._buttoned = softness, buttoned
         self._patch = patches(dynamics.cloth)
         self._rest_length = dynamics.cloth.links.rest_length
         self.last: Residual | None = None
@@ -140,8 +142,9 @@ class Course:
         """Forces, masses and damping of the phase in which the state is."""
         dynamics = self.dynamics
         dynamics.steady = state.phase != "fall"
-        # The shares of contact and of a constraint that it holds against depend on inertia: what is to be at rest with true masses settles with them.
-        dynamics.equalise = self.mode == "drape" and (state.phase == "fall" or (state.phase == "settle" and dynamics.constraint is None))
+        # The shares of contact and of a pin or button that it holds against depend on inertia: what is to be at rest with true masses settles with them.
+        held = dynamics.constraint is not None or self._buttoned
+        dynamics.equalise = self.mode == "drape" and (state.phase == "fall" or (state.phase == "settle" and not held))
         dynamics.speed_cap_m_s = SPEED_CAP_M_S if self.mode == "drape" else math.inf
         softness = 1.0
         if self.mode == "drape" and state.phase == "fall":

@@ -15,7 +15,7 @@ from garmentcad.simulation.course import AIR_DRAG, Progress
 from garmentcad.simulation.run import Outcome, make_dynamics
 from garmentcad.simulation.sewing import hold
 from garmentcad.solve.dynamics import STEPS_PER_ESTIMATE, DivergedError, IntersectingError
-from garmentcad.solve.hardware import hardware_rows
+from garmentcad.solve.hardware import hardware_rows, pin_rows
 
 FRAMES_PER_S = 20.0
 HOLD_S = 0.5  # after the last key frame: the garment swings out
@@ -48,7 +48,7 @@ def move(outcome: Outcome, frames: Sequence[KeyFrame], look: Callable[[Progress]
     state.contact, state.phase, state.velocities[:] = {}, "move", 0.0
     path = BodyPath(began + times, vertices)
     dynamics, _ = make_dynamics(outcome.job, outcome.cloth, outcome.materials, state.fold_angles, path=path)
-    hold(dynamics, state, hardware_rows(outcome.job.pattern, outcome.cloth, outcome.materials, outcome.job.mannequin))
+    hold(dynamics, state, pin_rows(hardware_rows(outcome.job.pattern, outcome.cloth, outcome.materials, outcome.job.mannequin)))
     dynamics.drag = AIR_DRAG
     dynamics.start(state)
     kept: list[tuple[float, np.ndarray, np.ndarray]] = []

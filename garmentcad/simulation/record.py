@@ -103,11 +103,19 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
 
 
 def _held(outcome: Outcome) -> dict[str, tuple[float, float]]:
-    """|C| in mm and |C'| in m/s of each pin and button, as it is at the end."""
+    """|C| in mm and |C'| in m/s of each pin and button, as it is at the end; of a button that is done up, by how
+    much its thread is too long."""
     pattern, constraint = outcome.job.pattern, outcome.dynamics.constraint
     names = {pin.name for pin in pattern.pins} | {button.name for button in pattern.buttons}
     gaps, speeds = outcome.dynamics.constraint_errors(outcome.state)
-    return {} if constraint is None else {name: (M_TO_MM * gap, speed) for name, gap, speed in zip(constraint.names, gaps, speeds) if name in names}
+    held = {} if constraint is None else {name: (M_TO_MM * gap, speed) for name, gap, speed in zip(constraint.names, gaps, speeds) if name in names}
+    force = outcome.dynamics.forces.forces[-1]
+    if not isinstance(force, ForceBand):
+        return held
+    beyond, speeds = np.maximum(force.lengths(outcome.state.positions) - force.segments.rest, 0.0), force.speeds(outcome.state.velocities)
+    threads = np.flatnonzero(force.segments.band >= len(pattern.bands))
+    first = force.segments.start[threads]  # of the one segment of each
+    return held | {button.name: (M_TO_MM * float(beyond[k]), float(speeds[s])) for button, k, s in zip(pattern.buttons, threads, first, strict=True)}
 
 
 def _bands(outcome: Outcome) -> dict[str, dict[str, float]]:

@@ -25,7 +25,7 @@ from garmentcad.contact.path import BodyPath
 from garmentcad.errors import GarmentError, LimitError
 from garmentcad.fabric.material import MaterialTable, softened, without_friction
 from garmentcad.forces.assembly import ForceAssembly
-from garmentcad.forces.band import ForceBand
+from garmentcad.forces.band import ForceBand, joined_bands
 from garmentcad.forces.band_lines import band_segments
 from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
@@ -43,7 +43,7 @@ from garmentcad.simulation.refine import off_body, refined, refined_sliders
 from garmentcad.simulation.sewing import Welding, close_seams, hold, weld_state
 from garmentcad.simulation.start import refuse_tangled
 from garmentcad.solve.dynamics import DivergedError, Dynamics, IntersectingError
-from garmentcad.solve.hardware import hardware_rows, redundance_message, redundances
+from garmentcad.solve.hardware import button_threads, hardware_rows, pin_rows, redundance_message, redundances
 from garmentcad.solve.strain_limit import panels_at_limit, strain_limit
 from garmentcad.units import M_TO_MM, MM_TO_M
 
@@ -165,13 +165,13 @@ class _Run:
             dynamics, forces_at = make_dynamics(self.job, cloth, self.materials, self.state.fold_angles)
             if before is not None:
                 self.state = _refined_state(before, self.state, (cloth, dynamics.forces), level, self.job.mannequin)
-            hold(dynamics, self.state, hardware)
+            hold(dynamics, self.state, pin_rows(hardware))
             if not self.state.contact:
                 dynamics.start(self.state)
             self._begin(dynamics)
             last = level == len(grids) - 1
             softness = SOFTNESS if self.job.pattern.seams else LOOSE_SOFTNESS
-            course = Course(dynamics, forces_at, self.job.mode, self.job.max_time_s, softness, last)
+            course = Course(dynamics, forces_at, self.job.mode, self.job.max_time_s, softness, last, bool(self.job.pattern.buttons))
             try:
                 status = course.run(self.state, self.keep)
             except (DivergedError, IntersectingError) as error:
@@ -291,11 +291,12 @@ def _refined_state(before: tuple[Cloth, ForceAssembly], state: State, after: tup
 def make_dynamics(
     job: Job, cloth: Cloth, materials: MaterialTable, fold_angles: np.ndarray, dressing: bool = False, path: BodyPath | None = None
 ) -> tuple[Dynamics, Callable[[float], ForceAssembly]]:
-    """The stepper, and its forces at a softness. dressing: while seams are sewn and folds pressed there are no bands, no weight and no friction, so that cloth
-    slides to where seams close, and shear goes by chords: cloth that is bent as sharply as on its way there is beyond what arcs describe, and a fitted dress of
-    GarmentCode did not close. path: of a body that moves."""
+    """The stepper, and its forces at a softness. dressing: while seams are sewn and folds pressed there are no bands, no threads of buttons, no weight and no
+    friction, so that cloth slides to where seams close, and shear goes by chords: cloth that is bent as sharply as on its way there is beyond what arcs
+    describe, and a fitted dress of GarmentCode did not close. path: of a body that moves."""
     weight = [] if dressing else [ForceGravity(cloth.masses)]
-    bands = [] if dressing or not job.pattern.bands else [ForceBand(band_segments(job.pattern, cloth))]
+    segments = joined_bands(band_segments(job.pattern, cloth), button_threads(job.pattern, cloth, materials))
+    bands = [] if dressing or not len(segments.rest) else [ForceBand(segments)]
 
     def forces_at(softness: float) -> ForceAssembly:
         return ForceAssembly(

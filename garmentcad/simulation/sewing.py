@@ -1,5 +1,5 @@
 """Sewing: stitches close by dynamic constraints, without gravity and gently, order after order, and are then welded; pins and buttons close with the first
-ones, and stay. A panel that none of the seams of its turn has reached is held still."""
+ones, and stay, buttons by their threads. A panel that none of the seams of its turn has reached is held still."""
 
 from __future__ import annotations
 
@@ -31,9 +31,7 @@ from garmentcad.solve.dynamics import Dynamics
 
 WIDEST_WELD_MM = 1.0  # a seam that was wider open when it was welded did not close
 HELD_M = 1e-3  # gap of pins and buttons at which cloth is dressed; they go on to close afterwards
-# 1/s, of pins and buttons once the seams are welded. Where contact takes what a button does to one of its ends, the other hangs on it as on a spring whose
-# stiffness goes with this rate: at 150 a collar's button stood 1.35 mm off and a placket's 0.70, at 1000 0.86 and 0.15.
-HOLDING_RATE = 1000.0
+HOLDING_RATE = 1000.0  # 1/s, of pins once the seams are welded
 _GAP, _SPEED, _REDUNDANT = "gap_mm.", "gap_speed_m_s", "redundant."
 _ORDER, _FROM = "sewing_order", "sewing_from_s"  # in State.run: the order that closes, and since when
 
@@ -136,11 +134,10 @@ def _close(
 
 
 def hold(dynamics: Dynamics, state: State, hardware: PointRows) -> None:
-    """Pins and buttons on welded cloth."""
-    if len(hardware.targets) == 0:
-        return
-    dynamics.constraint = ConstraintPoints(hardware, dynamics.inverse_masses, HOLDING_RATE, nodes=dynamics.contact.nodes)
+    """Rows that hold welded cloth."""
     _make_room(state, hardware)
+    if len(hardware.targets):
+        dynamics.constraint = ConstraintPoints(hardware, dynamics.inverse_masses, HOLDING_RATE, nodes=dynamics.contact.nodes)
 
 
 def _make_room(state: State, rows: PointRows) -> None:

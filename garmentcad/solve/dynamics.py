@@ -217,7 +217,6 @@ class Dynamics:
         laws, sums = law_arguments(self.forces.forces, state.friction, lost), self.forces.sums(self._masses)
         bonds = no_bonds()
         if self.constraint is not None:
-            self.constraint.aim(state.positions)
             bonds = self.constraint.bonds(state.constraint_speeds, state.constraint_forces)
         contact.load(state)
         motion = (contact.positions, contact.velocities, contact.inverse_masses)
@@ -278,7 +277,6 @@ class Dynamics:
         if self.constraint is None:
             return np.zeros(0), np.zeros(0)
         self.contact.load(state)
-        self.constraint.aim(state.positions)
         gaps, speeds = self.constraint.gaps(self.contact.positions), self.constraint.speeds(self.contact.velocities)
         return np.linalg.norm(gaps, axis=1), np.linalg.norm(speeds, axis=1)
 

@@ -1,4 +1,8 @@
-"""Pins and buttons of a pattern as rows of constraints on its cloth, and the refusal of those that contradict each other."""
+"""Pins and buttons of a pattern on its cloth: as rows of constraints, and the refusal of those that contradict each other; and buttons as threads.
+
+Buttons close as constraints, and then hang on by a thread. What a constraint that contact holds open pulls with depends on the time step, and a garment that
+is closed by it has no shape of rest but one for each step.
+"""
 
 from __future__ import annotations
 
@@ -10,19 +14,25 @@ import shapely
 import trimesh
 from scipy.spatial import cKDTree
 
+from garmentcad.arrays import floats, indices
 from garmentcad.cloth.cloth import WARP, WEFT, Cloth
 from garmentcad.cloth.locate import Anchors, anchors
 from garmentcad.constraints.conflict import Dependence, dependences
-from garmentcad.constraints.points import PointRows
+from garmentcad.constraints.points import PointRows, rows_where
 from garmentcad.contact.body import kept_gap
 from garmentcad.contact.elements import LEAST_GAP, largest_around
 from garmentcad.errors import SpecError, did_you_mean
 from garmentcad.fabric.material import MaterialTable
+from garmentcad.forces.band import BandSegments
+from garmentcad.forces.time_step import DAMPING_RATIO
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.pattern import Panel, PanelPoint, Pattern, Pin
 from garmentcad.units import M_TO_MM, MM_TO_M
 
-SHANK_M = 1e-3  # thread of a button beyond the thickness of the cloth that lies under it; an estimate
+SHANK_M = 1e-3  # thread of a button beyond the thickness of the cloth that it goes through; an estimate
+# Of the thread of a button: 2 N make it a tenth of a millimetre longer. Thread is many times stiffer (a dozen strands of some 100 N per unit of strain); an
+# explicit step could not follow it. Damped at its own frequency as cloth is at its highest.
+THREAD_N_M = 2e4
 _AROUND = 3  # body vertices next to a point, as many as a face has
 _INSIDE_MM = 0.1
 
@@ -50,15 +60,10 @@ def hardware_rows(pattern: Pattern, cloth: Cloth, materials: MaterialTable, body
     """A row for each pin and each button. The body's vertices are numbered after the particles. SpecError for landmarks that the body does not have, for
     points outside their panel, and for constraints that cannot all be met, with their names."""
     pins = _pin_rows(pattern, cloth, materials, body)
-    thickness = largest_around(cloth, materials.thickness)
     entries = [(np.concatenate([at.particles, nodes]), np.concatenate([at.weights, weights]), target) for at, nodes, weights, target in pins]
-    shank, normal_of = [0.0] * len(pins), [np.zeros(3, dtype=np.int32)] * len(pins)
-    for button in pattern.buttons:
-        below, above = _anchor(cloth, button.button), _anchor(cloth, button.buttonhole)
-        both = np.concatenate([above.particles, below.particles])
-        entries.append((both, np.concatenate([above.weights, -below.weights]), np.zeros(3)))
-        shank.append(max(float(thickness[both].max()), LEAST_GAP) + SHANK_M)
-        normal_of.append(below.particles)
+    threads = button_threads(pattern, cloth, materials)
+    for ends, weights in zip(threads.particles, threads.weights, strict=True):
+        entries.append((ends.ravel(), (weights * [[-1.0], [1.0]]).ravel(), np.zeros(3)))
     names = (*(pin.name for pin in pattern.pins), *(button.name for button in pattern.buttons))
     size = len(entries)
     rows = PointRows(
@@ -67,8 +72,7 @@ def hardware_rows(pattern: Pattern, cloth: Cloth, materials: MaterialTable, body
         np.concatenate([np.empty(0), *(weights for _, weights, _ in entries)]),
         np.array([target for _, _, target in entries]).reshape(-1, 3),
         names,
-        np.array(shank),
-        np.array(normal_of, dtype=np.int32).reshape(-1, 3),
+        np.concatenate([np.zeros(len(pins)), threads.rest]),
     )
     held = {
         pin.name: target - weights @ body.vertices[nodes - cloth.particle_count] for pin, (_, nodes, weights, target) in zip(pattern.pins, pins, strict=True)
@@ -79,6 +83,24 @@ def hardware_rows(pattern: Pattern, cloth: Cloth, materials: MaterialTable, body
             raise SpecError(message, key=_key(pattern, found.names[-1]))
     _refuse_out_of_reach(pattern, materials, held)
     return rows
+
+
+def pin_rows(rows: PointRows) -> PointRows:
+    """Those of the rows that stay constraints on a garment that is done up."""
+    return rows_where(rows, rows.shank == 0.0)
+
+
+def button_threads(pattern: Pattern, cloth: Cloth, materials: MaterialTable) -> BandSegments:
+    """The threads of buttons, from button to buttonhole, numbered after the pattern's bands: as long as the thickest cloth at both ends, and a shank."""
+    count, thickness = len(pattern.buttons), largest_around(cloth, materials.thickness)
+    ends = [[_anchor(cloth, end) for end in (button.button, button.buttonhole)] for button in pattern.buttons]
+    particles = indices(np.array([[at.particles for at in both] for both in ends]).reshape(-1, 2, 3))
+    weights = floats(np.array([[at.weights for at in both] for both in ends]).reshape(-1, 2, 3))
+    length = np.maximum(thickness[particles].max(axis=(1, 2), initial=0.0), LEAST_GAP) + SHANK_M
+    mobility = (weights**2 / cloth.masses[particles]).sum(axis=(1, 2))
+    damping = 2.0 * DAMPING_RATIO * np.sqrt(THREAD_N_M / mobility)
+    rows = indices(len(pattern.bands) + np.arange(count))
+    return BandSegments(particles, weights, indices(np.arange(count + 1)), length, THREAD_N_M * length, damping, rows)
 
 
 def redundances(rows: PointRows, cloth: Cloth, body: Mannequin) -> list[Dependence]:
