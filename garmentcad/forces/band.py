@@ -1,10 +1,9 @@
-"""Elastics and belts, and the threads of buttons: tension along lines over the cloth.
+"""Elastics and belts: tension along lines over the cloth.
 
-    T = k max(L/L0 - 1, 0) + c L'   [N], where L > L0; never less than 0      E = k L0 max(L/L0 - 1, 0)^2/2   [J]
+    T = k max(L/L0 - 1, 0)   [N]      E = k L0 max(L/L0 - 1, 0)^2/2   [J]
 
-L is the length of a group of segments that share one tension, L0 [m] its rest length, k [N] the stiffness per unit of strain, c [N.s/m] the damping. A sewn
-elastic has a group for each segment (it cannot slip on the cloth), a belt one for its whole ring (it slides along it without friction), and the thread of a
-button leads in one segment from button to buttonhole. Slack bands carry nothing: they fold.
+L is the length of a group of segments that share one tension, L0 [m] its rest length, k [N] the stiffness per unit of strain. A sewn elastic has a group for
+each segment (it cannot slip on the cloth), a belt one for its whole ring (it slides along it without friction). Slack bands carry nothing: they fold.
 Segments end at points of the cloth, each a weighted mean of three particles. What presses a taut band onto the body is T times its curvature, and comes from
 the corners between its segments; cloth below carries it by contact. The masses of bands are neglected.
 """
@@ -31,20 +30,13 @@ class BandSegments(NamedTuple):
     start: np.ndarray  # (G+1,) int32
     rest: np.ndarray  # (G,) m
     stiffness: np.ndarray  # (G,) N
-    damping: np.ndarray  # (G,) N.s/m
-    band: np.ndarray  # (G,) int32 row of the pattern's bands, and its buttons after them
-
-
-def joined_bands(first: BandSegments, second: BandSegments) -> BandSegments:
-    """The segments of both, those of the first in front."""
-    fields = {name: np.concatenate([getattr(first, name), getattr(second, name)]) for name in BandSegments._fields if name != "start"}
-    return BandSegments(start=np.concatenate([first.start, first.start[-1] + second.start[1:]]), **fields)
+    band: np.ndarray  # (G,) int32 row of the pattern's bands
 
 
 def no_bands() -> BandSegments:
     """The segments of a garment without bands."""
     none = np.zeros(0, dtype=np.int32)
-    return BandSegments(np.zeros((0, 2, 3), np.int32), np.zeros((0, 2, 3)), np.zeros(1, np.int32), np.zeros(0), np.zeros(0), np.zeros(0), none)
+    return BandSegments(np.zeros((0, 2, 3), np.int32), np.zeros((0, 2, 3)), np.zeros(1, np.int32), np.zeros(0), np.zeros(0), none)
 
 
 @kernel
@@ -60,20 +52,13 @@ def _side(band, segment, positions):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def write_bands(band, positions, velocities, out):  # type: ignore[no-untyped-def]
+def write_bands(band, positions, out):  # type: ignore[no-untyped-def]
     """Forces on the corners of segment s into out[6 s] to out[6 s + 5]."""
     for group in range(len(band.rest)):
         length = 0.0
         for s in range(band.start[group], band.start[group + 1]):
             length += _side(band, s, positions)[3]
         tension = band.stiffness[group] * max(length / band.rest[group] - 1.0, 0.0)
-        if tension > 0.0 and band.damping[group] > 0.0:
-            longer = 0.0
-            for s in range(band.start[group], band.start[group + 1]):
-                x, y, z, side = _side(band, s, positions)
-                u, v, w, _ = _side(band, s, velocities)
-                longer += (x * u + y * v + z * w) / max(side, SHORTEST_M)
-            tension = max(tension + band.damping[group] * longer, 0.0)
         for s in range(band.start[group], band.start[group + 1]):
             x, y, z, side = _side(band, s, positions)
             pull = tension / max(side, SHORTEST_M)
@@ -95,7 +80,7 @@ class ForceBand(OneLaw):
         self._group = np.repeat(np.arange(len(segments.rest)), np.diff(segments.start))
 
     def write_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray, sliders: np.ndarray | None = None) -> None:
-        write_bands(self.segments, positions, velocities, out)
+        write_bands(self.segments, positions, out)
 
     def lengths(self, positions: np.ndarray) -> np.ndarray:
         """Length (G,) m of each group."""
@@ -104,10 +89,6 @@ class ForceBand(OneLaw):
     def tensions(self, positions: np.ndarray) -> np.ndarray:
         """Tension (G,) N of each group."""
         return self.segments.stiffness * np.maximum(self.lengths(positions) / self.segments.rest - 1.0, 0.0)
-
-    def speeds(self, velocities: np.ndarray) -> np.ndarray:
-        """Speed (S,) m/s between the two ends of each segment."""
-        return np.asarray(np.linalg.norm(self._sides(velocities), axis=1))
 
     def energy(self, positions: np.ndarray, sliders: np.ndarray | None = None) -> float:
         strain = np.maximum(self.lengths(positions) / self.segments.rest - 1.0, 0.0)

@@ -42,9 +42,8 @@ def band_segments(pattern: Pattern, cloth: Cloth) -> BandSegments:
     if not groups:
         return no_bands()
     return BandSegments(
-        indices(np.concatenate(particles)), floats(np.concatenate(weights)), indices(np.cumsum([0, *groups])), floats(rest), floats(stiffness),
-        np.zeros(len(rest)), indices(owner),
-    )  # fmt: skip
+        indices(np.concatenate(particles)), floats(np.concatenate(weights)), indices(np.cumsum([0, *groups])), floats(rest), floats(stiffness), indices(owner)
+    )
 
 
 def _chain(pattern: Pattern, cloth: Cloth, band: Band, number: int) -> tuple[Anchors, np.ndarray]:

@@ -14,6 +14,7 @@ from garmentcad.forces import bend as bend_lines
 from garmentcad.forces.band import ForceBand, no_bands, write_bands
 from garmentcad.forces.bend import bend_part
 from garmentcad.forces.border import ForceBorder, border_part
+from garmentcad.forces.button import ForceButton, no_shanks, write_shanks
 from garmentcad.forces.force import NO_PARTICLE, Force
 from garmentcad.forces.hinge import ForceHinge, hinge_part
 from garmentcad.forces.lattice import ForceLattice, contour_lines, lattice_block
@@ -22,6 +23,7 @@ from garmentcad.forces.span import ForceSpan, span_part
 from garmentcad.forces.time_step import DAMPING_RATIO, internal_damping_time
 
 LAWS = ("lattice", "border", "bend", "span", "hinge")
+HARDWARE = (ForceBand.name, ForceButton.name)
 # The parts of all forces are dealt out in so many bins, whatever the number of threads: in halves of about the same work, these in halves again, because
 # threads take bins that follow each other.
 BINS = 8
@@ -61,12 +63,13 @@ def _write_all(deal, first, blocks, coefficients, setting, rooms, border, bend, 
 @inlined
 def write_internal(laws, positions, velocities, corner_forces):  # type: ignore[no-untyped-def]
     """All corner forces, in one parallel region. laws: see `law_arguments`."""
-    deal, first, lattice, border, bend, span, hinge, (a, b, c, d), lost, bands = laws
+    deal, first, lattice, border, bend, span, hinge, (a, b, c, d), lost, bands, shanks = laws
     blocks, coefficients, setting, rooms = lattice
     _write_all(
         deal, first, blocks, coefficients, setting, rooms, border[0], bend[0], span[0], hinge[0], a, b, c, d, positions, velocities, corner_forces, lost,
     )  # fmt: skip
-    write_bands(bands, positions, velocities, corner_forces[first[5] :])
+    write_bands(bands, positions, corner_forces[first[5] :])
+    write_shanks(shanks, positions, velocities, corner_forces[first[6] :])
 
 
 class Deal(NamedTuple):
@@ -78,12 +81,15 @@ class Deal(NamedTuple):
 
 
 def law_arguments(forces: tuple[Any, ...], sliders: dict[str, np.ndarray], lost: np.ndarray) -> tuple[Any, ...]:
-    """Arguments of `write_internal` for the forces of `internal_forces`, which a `ForceBand` may follow: the deal, where the corners of each begin, what each
-    compiled law needs, the sliders by name of force, which are moved, and lost (BINS,), to which the energy that they lose [J] is added, and the bands."""
-    if tuple(force.name for force in forces) not in (LAWS, (*LAWS, ForceBand.name)):
-        raise ValueError(f"forces {[force.name for force in forces]}; the stepper knows {list(LAWS)}, in this order, and {ForceBand.name} after them")
+    """Arguments of `write_internal` for the forces of `internal_forces`, which a `ForceBand` and a `ForceButton` may follow: the deal, where the corners of
+    each begin, what each compiled law needs, the sliders by name of force, which are moved, and lost (BINS,), to which the energy that they lose [J] is added,
+    the bands and the shanks of buttons."""
+    if tuple(force.name for force in forces) not in [(*LAWS, *more) for more in ((), HARDWARE[:1], HARDWARE[1:], HARDWARE)]:
+        raise ValueError(f"forces {[force.name for force in forces]}; the stepper knows {list(LAWS)}, in this order, and {list(HARDWARE)} after them")
     lattice, border, bend, span, hinge = forces[: len(LAWS)]
-    bands = forces[-1].segments if len(forces) > len(LAWS) else no_bands()
+    more = {force.name: force for force in forces[len(LAWS) :]}
+    bands = more[ForceBand.name].segments if ForceBand.name in more else no_bands()
+    shanks = more[ForceButton.name].shanks if ForceButton.name in more else no_shanks()
     corners = (1, 3, bend_lines.CORNERS, 4, 4)
     sizes = [lattice.arguments[0].size]
     for force, per_element in zip((border, bend, span, hinge), corners[1:]):
@@ -94,10 +100,10 @@ def law_arguments(forces: tuple[Any, ...], sliders: dict[str, np.ndarray], lost:
     bins = dealt(work)
     order = np.array([k for one in bins for k in one], dtype=np.int64)
     start = np.cumsum([0, *(len(one) for one in bins)])
-    first = np.cumsum([0, *(len(force.corners) for force in forces[: len(LAWS)])])
+    first = np.cumsum([0, *(len(force.corners) for force in forces[: len(LAWS)]), bands.particles.size])
     deal = Deal(indices(start), indices(kind[order]), indices(part[order]))
     held = tuple(sliders[force.name] for force in (lattice, border, bend, hinge))
-    return deal, first, *(force.arguments for force in forces[: len(LAWS)]), held, lost, bands
+    return deal, first, *(force.arguments for force in forces[: len(LAWS)]), held, lost, bands, shanks
 
 
 def dealt(work: np.ndarray) -> list[list[int]]:

@@ -17,6 +17,7 @@ from garmentcad.analysis.seam_tension import SeamTension, seam_tension
 from garmentcad.fabric.sheet import is_calibrated
 from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.band import ForceBand
+from garmentcad.forces.button import ForceButton
 from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
 from garmentcad.geometry.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
@@ -85,7 +86,7 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
             "stretch": _sum(energy, "stretch", "border"),
             "shear": energy.get("shear"),
             "bend": _sum(energy, "bend", "twist", "hinge", "span"),
-            "band": energy.get("band"),
+            "band": _sum(energy, "band", "button"),
             "gravity": energy.get("gravity"),
             "friction_work": state.work_j["friction"],
             "internal_friction_work": state.work_j["internal_friction"],
@@ -103,25 +104,23 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
 
 
 def _held(outcome: Outcome) -> dict[str, tuple[float, float]]:
-    """|C| in mm and |C'| in m/s of each pin and button, as it is at the end; of a button that is done up, by how
-    much its thread is too long."""
+    """|C| in mm and |C'| in m/s of each pin and button, as it is at the end; of a button that is done up, how
+    far its hole is from the shank."""
     pattern, constraint = outcome.job.pattern, outcome.dynamics.constraint
     names = {pin.name for pin in pattern.pins} | {button.name for button in pattern.buttons}
     gaps, speeds = outcome.dynamics.constraint_errors(outcome.state)
     held = {} if constraint is None else {name: (M_TO_MM * gap, speed) for name, gap, speed in zip(constraint.names, gaps, speeds) if name in names}
-    force = outcome.dynamics.forces.forces[-1]
-    if not isinstance(force, ForceBand):
-        return held
-    beyond, speeds = np.maximum(force.lengths(outcome.state.positions) - force.segments.rest, 0.0), force.speeds(outcome.state.velocities)
-    threads = np.flatnonzero(force.segments.band >= len(pattern.bands))
-    first = force.segments.start[threads]  # of the one segment of each
-    return held | {button.name: (M_TO_MM * float(beyond[k]), float(speeds[s])) for button, k, s in zip(pattern.buttons, threads, first, strict=True)}
+    for force in outcome.dynamics.forces.forces:
+        if isinstance(force, ForceButton):
+            beside, speeds = force.gaps(outcome.state.positions), force.speeds(outcome.state.velocities)
+            held |= {button.name: (M_TO_MM * float(gap), float(speed)) for button, gap, speed in zip(pattern.buttons, beside, speeds, strict=True)}
+    return held
 
 
 def _bands(outcome: Outcome) -> dict[str, dict[str, float]]:
     """Tension and length of each elastic and belt."""
-    force = outcome.dynamics.forces.forces[-1]
-    if not isinstance(force, ForceBand):
+    force = next((force for force in outcome.dynamics.forces.forces if isinstance(force, ForceBand)), None)
+    if force is None:
         return {}
     segments, lengths, tensions = force.segments, force.lengths(outcome.state.positions), force.tensions(outcome.state.positions)
     found = {}

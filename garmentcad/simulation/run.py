@@ -25,8 +25,10 @@ from garmentcad.contact.path import BodyPath
 from garmentcad.errors import GarmentError, LimitError
 from garmentcad.fabric.material import MaterialTable, softened, without_friction
 from garmentcad.forces.assembly import ForceAssembly
-from garmentcad.forces.band import ForceBand, joined_bands
+from garmentcad.forces.band import ForceBand
 from garmentcad.forces.band_lines import band_segments
+from garmentcad.forces.button import ForceButton
+from garmentcad.forces.force import Force
 from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
 from garmentcad.geometry.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
@@ -43,7 +45,7 @@ from garmentcad.simulation.refine import off_body, refined, refined_sliders
 from garmentcad.simulation.sewing import Welding, close_seams, hold, weld_state
 from garmentcad.simulation.start import refuse_tangled
 from garmentcad.solve.dynamics import DivergedError, Dynamics, IntersectingError
-from garmentcad.solve.hardware import button_threads, hardware_rows, pin_rows, redundance_message, redundances
+from garmentcad.solve.hardware import button_shanks, hardware_rows, pin_rows, redundance_message, redundances
 from garmentcad.solve.strain_limit import panels_at_limit, strain_limit
 from garmentcad.units import M_TO_MM, MM_TO_M
 
@@ -291,16 +293,19 @@ def _refined_state(before: tuple[Cloth, ForceAssembly], state: State, after: tup
 def make_dynamics(
     job: Job, cloth: Cloth, materials: MaterialTable, fold_angles: np.ndarray, dressing: bool = False, path: BodyPath | None = None
 ) -> tuple[Dynamics, Callable[[float], ForceAssembly]]:
-    """The stepper, and its forces at a softness. dressing: while seams are sewn and folds pressed there are no bands, no threads of buttons, no weight and no
+    """The stepper, and its forces at a softness. dressing: while seams are sewn and folds pressed there are no bands, no pull of buttons, no weight and no
     friction, so that cloth slides to where seams close, and shear goes by chords: cloth that is bent as sharply as on its way there is beyond what arcs
     describe, and a fitted dress of GarmentCode did not close. path: of a body that moves."""
     weight = [] if dressing else [ForceGravity(cloth.masses)]
-    segments = joined_bands(band_segments(job.pattern, cloth), button_threads(job.pattern, cloth, materials))
-    bands = [] if dressing or not len(segments.rest) else [ForceBand(segments)]
+    pulls: list[Force] = []
+    if job.pattern.bands and not dressing:
+        pulls.append(ForceBand(band_segments(job.pattern, cloth)))
+    if job.pattern.buttons and not dressing:
+        pulls.append(ForceButton(button_shanks(job.pattern, cloth, materials)))
 
     def forces_at(softness: float) -> ForceAssembly:
         return ForceAssembly(
-            [*internal_forces(cloth, softened(materials, softness), fold_angles=fold_angles, arcs=not dressing), *bands], cloth.particle_count, weight
+            [*internal_forces(cloth, softened(materials, softness), fold_angles=fold_angles, arcs=not dressing), *pulls], cloth.particle_count, weight
         )
 
     touch = materials

@@ -1,5 +1,5 @@
 """Sewing: stitches close by dynamic constraints, without gravity and gently, order after order, and are then welded; pins and buttons close with the first
-ones, and stay, buttons by their threads. A panel that none of the seams of its turn has reached is held still."""
+ones, and stay, buttons on their shanks. A panel that none of the seams of its turn has reached is held still."""
 
 from __future__ import annotations
 

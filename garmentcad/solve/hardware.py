@@ -1,6 +1,6 @@
-"""Pins and buttons of a pattern on its cloth: as rows of constraints, and the refusal of those that contradict each other; and buttons as threads.
+"""Pins and buttons of a pattern on its cloth: as rows of constraints, and the refusal of those that contradict each other; and buttons with their shanks.
 
-Buttons close as constraints, and then hang on by a thread. What a constraint that contact holds open pulls with depends on the time step, and a garment that
+Buttons close as constraints, and then stand on a shank. What a constraint that contact holds open pulls with depends on the time step, and a garment that
 is closed by it has no shape of rest but one for each step.
 """
 
@@ -23,16 +23,16 @@ from garmentcad.contact.body import kept_gap
 from garmentcad.contact.elements import LEAST_GAP, largest_around
 from garmentcad.errors import SpecError, did_you_mean
 from garmentcad.fabric.material import MaterialTable
-from garmentcad.forces.band import BandSegments
+from garmentcad.forces.button import Shanks
 from garmentcad.forces.time_step import DAMPING_RATIO
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.pattern import Panel, PanelPoint, Pattern, Pin
 from garmentcad.units import M_TO_MM, MM_TO_M
 
 SHANK_M = 1e-3  # thread of a button beyond the thickness of the cloth that it goes through; an estimate
-# Of the thread of a button: 2 N make it a tenth of a millimetre longer. Thread is many times stiffer (a dozen strands of some 100 N per unit of strain); an
-# explicit step could not follow it. Damped at its own frequency as cloth is at its highest.
-THREAD_N_M = 2e4
+# Beside a shank and at its end: 2 N move the hole by a tenth of a millimetre. Thread is many times stiffer (a dozen strands of some 100 N per unit of
+# strain); an explicit step could not follow it. Damped at its own frequency as cloth is at its highest.
+SHANK_N_M = 2e4
 _AROUND = 3  # body vertices next to a point, as many as a face has
 _INSIDE_MM = 0.1
 
@@ -61,8 +61,8 @@ def hardware_rows(pattern: Pattern, cloth: Cloth, materials: MaterialTable, body
     points outside their panel, and for constraints that cannot all be met, with their names."""
     pins = _pin_rows(pattern, cloth, materials, body)
     entries = [(np.concatenate([at.particles, nodes]), np.concatenate([at.weights, weights]), target) for at, nodes, weights, target in pins]
-    threads = button_threads(pattern, cloth, materials)
-    for ends, weights in zip(threads.particles, threads.weights, strict=True):
+    shanks = button_shanks(pattern, cloth, materials)
+    for ends, weights in zip(shanks.particles, shanks.weights, strict=True):
         entries.append((ends.ravel(), (weights * [[-1.0], [1.0]]).ravel(), np.zeros(3)))
     names = (*(pin.name for pin in pattern.pins), *(button.name for button in pattern.buttons))
     size = len(entries)
@@ -72,7 +72,7 @@ def hardware_rows(pattern: Pattern, cloth: Cloth, materials: MaterialTable, body
         np.concatenate([np.empty(0), *(weights for _, weights, _ in entries)]),
         np.array([target for _, _, target in entries]).reshape(-1, 3),
         names,
-        np.concatenate([np.zeros(len(pins)), threads.rest]),
+        np.concatenate([np.zeros(len(pins)), shanks.length]),
     )
     held = {
         pin.name: target - weights @ body.vertices[nodes - cloth.particle_count] for pin, (_, nodes, weights, target) in zip(pattern.pins, pins, strict=True)
@@ -90,17 +90,15 @@ def pin_rows(rows: PointRows) -> PointRows:
     return rows_where(rows, rows.shank == 0.0)
 
 
-def button_threads(pattern: Pattern, cloth: Cloth, materials: MaterialTable) -> BandSegments:
-    """The threads of buttons, from button to buttonhole, numbered after the pattern's bands: as long as the thickest cloth at both ends, and a shank."""
-    count, thickness = len(pattern.buttons), largest_around(cloth, materials.thickness)
+def button_shanks(pattern: Pattern, cloth: Cloth, materials: MaterialTable) -> Shanks:
+    """The buttons of a pattern, with shanks as long as the cloth at both ends is thick, and a little more."""
+    thickness = largest_around(cloth, materials.thickness)
     ends = [[_anchor(cloth, end) for end in (button.button, button.buttonhole)] for button in pattern.buttons]
     particles = indices(np.array([[at.particles for at in both] for both in ends]).reshape(-1, 2, 3))
     weights = floats(np.array([[at.weights for at in both] for both in ends]).reshape(-1, 2, 3))
     length = np.maximum(thickness[particles].max(axis=(1, 2), initial=0.0), LEAST_GAP) + SHANK_M
     mobility = (weights**2 / cloth.masses[particles]).sum(axis=(1, 2))
-    damping = 2.0 * DAMPING_RATIO * np.sqrt(THREAD_N_M / mobility)
-    rows = indices(len(pattern.bands) + np.arange(count))
-    return BandSegments(particles, weights, indices(np.arange(count + 1)), length, THREAD_N_M * length, damping, rows)
+    return Shanks(particles, weights, length, np.full(len(length), SHANK_N_M), 2.0 * DAMPING_RATIO * np.sqrt(SHANK_N_M / mobility))
 
 
 def redundances(rows: PointRows, cloth: Cloth, body: Mannequin) -> list[Dependence]:
