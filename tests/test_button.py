@@ -61,26 +61,26 @@ def test_what_pulls_beside_tilts_the_shank() -> None:
 
 @pytest.mark.parametrize("up", [-1e-3, 1e-3, 3e-3])
 def test_damping_takes_the_speed_of_what_stretches_it(up: float) -> None:
-    """The power of damping is -c |r'|^2, r' by central differences along the motion; it carries no momentum, and a turn as a whole is not damped."""
+    """The power of damping is -c |r|'^2, |r|' by central differences along the motion; it carries no momentum and no torque, and a motion as a whole is not
+    damped."""
     rng = np.random.default_rng(11)
     force, positions = button([0.4e-3, -0.3e-3, up])
     positions = positions + 2e-3 * rng.standard_normal(positions.shape) * [[1.0, 1.0, 0.1]]
     velocities = rng.standard_normal(positions.shape)
-    damping = particle_forces(force, positions, velocities) - particle_forces(force, positions)
+    still = particle_forces(force, positions)
+    damping = particle_forces(force, positions, velocities) - still
 
-    def left(time_s: float) -> np.ndarray:
-        a, b, c = (positions + time_s * velocities)[:3]
+    def left(time_s: float) -> float:
+        moved = positions + time_s * velocities
+        a, b, c = moved[:3]
         n = np.cross(b - a, c - a) / np.linalg.norm(np.cross(b - a, c - a))
-        apart = (positions + time_s * velocities)[3:].mean(axis=0) - (positions + time_s * velocities)[:3].mean(axis=0)
-        away: np.ndarray = apart - np.clip(apart @ n, 0.0, LENGTH) * n
-        return away
+        apart = moved[3:].mean(axis=0) - moved[:3].mean(axis=0)
+        return float(np.linalg.norm(apart - np.clip(apart @ n, 0.0, LENGTH) * n))
 
-    a, b, c = positions[:3]
-    n = np.cross(b - a, c - a) / np.linalg.norm(np.cross(b - a, c - a))
     rate = (left(1e-7) - left(-1e-7)) / 2e-7
-    rate -= rate @ n * n if 0.0 < up < LENGTH else 0.0
-    assert (damping * velocities).sum() == pytest.approx(-DAMPING * rate @ rate, rel=1e-5)
+    assert force.speeds(positions, velocities) == pytest.approx(abs(rate), rel=1e-5)
+    assert (damping * velocities).sum() == pytest.approx(-DAMPING * rate**2, rel=1e-5)
     assert damping.sum(axis=0) == pytest.approx(0.0, abs=1e-12)
-    turning = np.cross([3.0, -2.0, 1.0], positions - positions.mean(axis=0))
-    once = particle_forces(force, positions, turning) - particle_forces(force, positions)
-    assert np.abs(once).max() < 0.1 * np.abs(damping).max()
+    assert np.cross(positions, damping).sum(axis=0) == pytest.approx(0.0, abs=1e-12)
+    as_a_whole = np.array([0.2, 0.1, -0.4]) + np.cross([3.0, -2.0, 1.0], positions)
+    assert np.abs(particle_forces(force, positions, as_a_whole) - still).max() < 1e-12 * np.abs(still).max()

@@ -15,6 +15,7 @@ from garmentcad.arrays import indices
 from garmentcad.check.finding import Finding
 from garmentcad.check.placement import check_placement, check_twists
 from garmentcad.cloth.lattice import build_cloth
+from garmentcad.errors import SpecError
 from garmentcad.mannequin.mannequin import ArrangementCylinder, Mannequin
 from garmentcad.pattern.draft import draft
 from garmentcad.pattern.parse import parse_spec
@@ -110,3 +111,14 @@ def test_panel_inside_the_body(offset: float, severity: str) -> None:
     found = findings(lambda data: data["panels"]["front"]["placement"]["wrap"].update(offset=offset) or data.update(seams=[]))
     assert [(finding.code, finding.key, finding.severity) for finding in found] == [("panel-inside-body", "panels.front.placement", severity)]
     assert f"up to {-offset} mm deep" in found[0].message
+
+
+def test_a_wrap_on_next_to_nothing_is_refused() -> None:
+    """An offset that leaves some millimetres of the torso's cylinder, or less: the message names the least one, and that one is laid."""
+    with pytest.raises(SpecError, match="next to nothing") as caught:
+        findings(lambda data: data["panels"]["front"]["placement"]["wrap"].update(offset=-99.999) or data.update(seams=[]))
+    assert caught.value.key == "panels.front.placement.wrap.offset"
+    least = float(caught.value.message.split("allowed is ")[1].split(" mm")[0])
+    assert (
+        findings(lambda data: data["panels"]["front"]["placement"]["wrap"].update(offset=least + 0.1) or data.update(seams=[]))[0].code == "panel-inside-body"
+    )

@@ -224,7 +224,7 @@ def gathered(fabric: str, ratio: float) -> list[Finding]:
 def test_gathers_against_the_fabric() -> None:
     (finding, other) = gathered("wool-suiting", 2.3)
     assert (finding.severity, finding.code, finding.key, other.key) == ("warning", "gather-too-tight", "seams.one", "seams.two")
-    assert "920 mm of wool are gathered into 400 mm, 2.30 to 1" in finding.message
+    assert "920 mm of wool-suiting are gathered into 400 mm, 2.30 to 1" in finding.message
     assert gathered("wool-suiting", 1.9) == gathered("cotton-voile", 3.0) == gathered("wool-overcoating", 1.1) == []
     assert len(gathered("wool-overcoating", 1.5)) == 2
     row = material_row(load_fabric(fabric_path("wool-suiting")).sheet)

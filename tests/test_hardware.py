@@ -35,7 +35,7 @@ from garmentcad.simulation.materials import lay_out
 from garmentcad.simulation.record import record
 from garmentcad.simulation.run import Outcome, run
 from garmentcad.solve.dynamics import Dynamics
-from garmentcad.solve.hardware import hardware_rows, redundances
+from garmentcad.solve.hardware import button_shanks, hardware_rows, redundances
 from garmentcad.solve.strain_limit import strain_limit
 
 RADIUS, HEIGHT = 0.12, 0.6
@@ -236,6 +236,11 @@ def test_buttons_hold_to_a_tenth_of_a_millimetre_and_the_placket_closes() -> Non
         apart, normal = place[1][0] - place[0][0], place[0][1] / np.linalg.norm(place[0][1])
         assert np.linalg.norm(apart - apart @ normal * normal) < 1e-4
         assert 0.8e-3 < apart @ normal < 2.3e-3
+    around_hole = button_shanks(outcome.job.pattern, cloth, outcome.materials).particles[1, 1]
+    positions[around_hole] -= 3e-3 * normal
+    found = [warning for warning in record(outcome)[0].warnings if "not done up" in warning]
+    assert len(found) == 1
+    assert "button 'high'" in found[0]
 
 
 def test_a_zip_joins_its_closed_part_and_leaves_the_rest_open() -> None:

@@ -40,7 +40,7 @@ def check_gathers(pattern: Pattern, sheets: Mapping[str, KesSheet], file: str | 
         if ratio > max(EASED, limits[fabric]):
             yield Finding(
                 "warning", "gather-too-tight", file, f"seams.{seam.name}",
-                f"{max(a, b):.0f} mm of {fabric} are gathered into {min(a, b):.0f} mm, {ratio:.2f} to 1; "
+                f"{max(a, b):.0f} mm of {sheets[fabric].name} are gathered into {min(a, b):.0f} mm, {ratio:.2f} to 1; "
                 f"by its thickness and bending it folds into {limits[fabric]:.2f} to 1 at most (an estimate)",
                 "Take less fullness, or a thinner and softer fabric; pleats take up more than gathers.",
             )  # fmt: skip

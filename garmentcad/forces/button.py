@@ -1,10 +1,11 @@
 """Buttons that are done up: a shank stands on the cloth below, and the buttonhole moves freely along it and is held beside it and at its end.
 
-    E = k |r|^2/2   [J]      r = d - t n,  t = d.n within 0 to L      F = -(dr/dx)^T (k r + c r')   [N]
+    E = k |r|^2/2   [J]      r = d - t n,  t = d.n within 0 to L      F = -(dr/dx)^T (k + c |r|'/|r|) r   [N]
 
 d [m] leads from the button to its hole, n is the normal of the triangle below, on the right side of its cloth, L [m] the length of the shank, k [N/m] the
 stiffness of the thread, c [N.s/m] its damping. Both ends are weighted means of three particles, of which those of the button span the triangle, so that n turns
-with them: what pulls at the hole also tilts the shank, and there is no torque left over. The masses of buttons are neglected.
+with them: what pulls at the hole also tilts the shank, and there is no torque left over. The length |r| is damped, so that a turn as a whole is not. The masses
+of buttons are neglected.
 """
 
 from __future__ import annotations
@@ -14,12 +15,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from garmentcad.arrays import kernel
+from garmentcad.arrays import floats, kernel
 from garmentcad.forces.force import OneLaw
 from garmentcad.geometry.closest import along, cross, dot, minus, row
 
 CORNERS = 6  # of a button: three particles below it, three around its hole
 _LEAST_AREA2 = 1e-30  # m4, floor of a squared normal
+_LEAST_M = 1e-12  # m, floor of |r|
 
 
 class Shanks(NamedTuple):
@@ -54,25 +56,45 @@ def _sides(shanks, button, vectors):  # type: ignore[no-untyped-def]
 
 
 @kernel
+def _normal(u, v):  # type: ignore[no-untyped-def]
+    normal = cross(u, v)
+    area = math.sqrt(max(dot(normal, normal), _LEAST_AREA2))
+    return (normal[0] / area, normal[1] / area, normal[2] / area), area
+
+
+@kernel
+def _held(shanks, button, positions, velocities):  # type: ignore[no-untyped-def]
+    """r, t, |r|, and how fast that grows."""
+    u, v, apart = _sides(shanks, button, positions)
+    n, area = _normal(u, v)
+    up = min(max(dot(apart, n), 0.0), shanks.length[button])
+    r = along(apart, n, -up)
+    size = math.sqrt(dot(r, r))
+    faster_u, faster_v, drift = _sides(shanks, button, velocities)
+    # r' = d' - t n' - t' n, and where t follows d, r lies across n
+    turn = along(cross(faster_u, v), cross(u, faster_v), 1.0)
+    drift = along(drift, along(turn, n, -dot(turn, n)), -up / area)
+    return r, up, size, dot(r, drift) / max(size, _LEAST_M)
+
+
+@kernel
+def measure_shanks(shanks, positions, velocities, out):  # type: ignore[no-untyped-def]
+    """|r| [m] and its rate [m/s] of each button into the rows of out (B,2)."""
+    for button in range(len(shanks.length)):
+        _, _, out[button, 0], out[button, 1] = _held(shanks, button, positions, velocities)
+
+
+@kernel
 def write_shanks(shanks, positions, velocities, out):  # type: ignore[no-untyped-def]
     """Forces on the corners of button b into out[6 b] to out[6 b + 5]; those on the three below come first."""
     for button in range(len(shanks.length)):
-        u, v, apart = _sides(shanks, button, positions)
-        normal = cross(u, v)
-        area = math.sqrt(max(dot(normal, normal), _LEAST_AREA2))
-        n = normal[0] / area, normal[1] / area, normal[2] / area
-        height = dot(apart, n)
-        up = min(max(height, 0.0), shanks.length[button])
-        faster_u, faster_v, drift = _sides(shanks, button, velocities)
-        # r' = d' - t n', without its part along n where t follows d
-        turn = along(cross(faster_u, v), cross(u, faster_v), 1.0)
-        drift = along(drift, along(turn, n, -dot(turn, n)), -up / area)
-        r, stiffness, damping = along(apart, n, -up), shanks.stiffness[button], shanks.damping[button]
-        pull = stiffness * r[0] + damping * drift[0], stiffness * r[1] + damping * drift[1], stiffness * r[2] + damping * drift[2]
-        beside = along(pull, n, -dot(pull, n))
-        if up == height:
-            pull = beside
+        r, up, size, rate = _held(shanks, button, positions, velocities)
+        strength = shanks.stiffness[button] + shanks.damping[button] * rate / max(size, _LEAST_M)
+        pull = strength * r[0], strength * r[1], strength * r[2]
+        u, v, _ = _sides(shanks, button, positions)
+        n, area = _normal(u, v)
         # n turns with its two sides: (dr/dn)^T p = -t p
+        beside = along(pull, n, -dot(pull, n))
         on_u, on_v = cross(v, beside), cross(beside, u)
         lever = up / area
         for axis in range(3):
@@ -98,33 +120,30 @@ class ForceButton(OneLaw):
 
     def gaps(self, positions: np.ndarray) -> np.ndarray:
         """|r| (B,) m: how far each hole is from its shank."""
-        _, r, _ = self._measured(positions)
-        return np.asarray(np.linalg.norm(r, axis=1))
+        return self._measured(positions, np.zeros_like(positions))[:, 0]
 
-    def speeds(self, velocities: np.ndarray) -> np.ndarray:
-        """Speed (B,) m/s between button and hole."""
-        ends = np.einsum("bek,bekx->bex", self.shanks.weights, velocities[self.shanks.particles])
-        return np.asarray(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1))
+    def speeds(self, positions: np.ndarray, velocities: np.ndarray) -> np.ndarray:
+        """How fast |r| changes, (B,) m/s."""
+        return np.abs(self._measured(positions, velocities)[:, 1])
 
     def energy(self, positions: np.ndarray, sliders: np.ndarray | None = None) -> float:
         return float(0.5 * (self.shanks.stiffness * self.gaps(positions) ** 2).sum())
 
     def write_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
-        # A corner moves r by its weight, and by t times how fast it turns the normal: the far sides' share of the height of the triangle over it. What is
-        # left of r turns with the normal, too.
-        up, r, sides = self._measured(positions)
-        turn = np.concatenate([np.linalg.norm(sides, axis=2), np.zeros((len(up), 3))], axis=1)
-        moves = self.shanks.weights.reshape(-1, CORNERS) + up[:, None] * turn
-        bent = np.linalg.norm(r, axis=1)[:, None] * turn
+        # A corner moves r by its weight, and by t times how fast it turns the normal. What is left of r turns with the normal, too.
+        turn = np.concatenate([tilts(positions[self.shanks.particles[:, 0]]), np.zeros((len(self.shanks.length), 3))], axis=1)
+        moves = self.shanks.weights.reshape(-1, CORNERS) + self.shanks.length[:, None] * turn
+        bent = self.gaps(positions)[:, None] * turn
         out[:] = (self.shanks.stiffness[:, None] * (moves + bent) * (moves + bent).sum(axis=1)[:, None]).ravel()
 
-    def _measured(self, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """t (B,), r (B,3), and how fast each corner of the triangle turns its normal (B,3,3), 1/m."""
-        ends = np.einsum("bek,bekx->bex", self.shanks.weights, positions[self.shanks.particles])
-        a, b, c = (positions[self.shanks.particles[:, 0, k]] for k in range(3))
-        normal = np.cross(b - a, c - a)
-        area = np.maximum(np.linalg.norm(normal, axis=1), math.sqrt(_LEAST_AREA2))[:, None]
-        apart = ends[:, 1] - ends[:, 0]
-        up = np.clip((apart * normal / area).sum(axis=1), 0.0, self.shanks.length)
-        sides = np.stack([c - b, a - c, b - a], axis=1) / area[:, None]
-        return up, apart - up[:, None] * normal / area, sides
+    def _measured(self, positions: np.ndarray, velocities: np.ndarray) -> np.ndarray:
+        out = np.zeros((len(self.shanks.length), 2))
+        measure_shanks(self.shanks, floats(positions), floats(velocities), out)
+        return out
+
+
+def tilts(corners: np.ndarray) -> np.ndarray:
+    """How fast each corner of triangles (B,3,3) m turns their normals, (B,3) 1/m: 1 over the height of the triangle over it."""
+    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+    area = np.maximum(np.linalg.norm(np.cross(b - a, c - a), axis=1), math.sqrt(_LEAST_AREA2))
+    return np.asarray(np.linalg.norm(np.stack([c - b, a - c, b - a], axis=1), axis=2) / area[:, None])

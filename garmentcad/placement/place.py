@@ -12,10 +12,12 @@ from garmentcad.placement.pleats import folded
 from garmentcad.placement.wrap import transform_points, wrap_points
 from garmentcad.units import M_TO_MM
 
+LEAST_RADIUS_MM = 5.0  # of what a panel is wrapped on: it would go round many times, in a table of ever more angles
+
 
 def place_vertices(pattern: Pattern, cloth: Cloth, mannequin: Mannequin) -> np.ndarray:
     """World positions (V,3) in m of all cloth vertices, not yet sewn. SpecError where a rule names a body part that the mannequin lacks,
-    or an offset to within its axis."""
+    or an offset to near its axis."""
     positions = np.empty((len(cloth.vertex_uv_mm), 3))
     for index, name in enumerate(cloth.panel_names):
         panel = pattern.panels[name]
@@ -28,9 +30,11 @@ def place_vertices(pattern: Pattern, cloth: Cloth, mannequin: Mannequin) -> np.n
             message = f"mannequin {mannequin.name} has no part '{rule.part}'; allowed: {', '.join(mannequin.cylinders)}"
             raise SpecError(message, key=f"panels.{name}.placement.wrap.part")
         around = mannequin.cylinders[rule.part]
-        thinnest = M_TO_MM * min(around.radius_ref, around.radius_side)
-        if thinnest + rule.offset_mm <= 0.0:
-            message = f"an offset of {rule.offset_mm:g} mm leaves nothing of the cylinder around '{rule.part}': allowed is more than {-thinnest:.0f} mm"
+        radii = M_TO_MM * around.radius_ref, M_TO_MM * around.radius_side
+        radius = min(radii) if rule.flare_deg == 0.0 else 0.5 * sum(radii)
+        if (radius + rule.offset_mm) * rule.scale < LEAST_RADIUS_MM:
+            least = LEAST_RADIUS_MM / rule.scale - radius
+            message = f"an offset of {rule.offset_mm:g} mm leaves next to nothing of the cylinder around '{rule.part}'; allowed is {least:.1f} mm or more"
             raise SpecError(message, key=f"panels.{name}.placement.wrap.offset")
         positions[chosen] = wrap_points(uv_mm, rule, around, lift_mm)
     return positions

@@ -21,12 +21,13 @@ from garmentcad.forces.button import ForceButton
 from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
 from garmentcad.geometry.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
-from garmentcad.pattern.pattern import edge_roles
+from garmentcad.pattern.pattern import Pattern, edge_roles
 from garmentcad.placement.place import place_vertices
 from garmentcad.simulation.run import Outcome
 from garmentcad.solve.rest import patches, residual
 from garmentcad.units import M_TO_MM
 
+WIDEST_BUTTON_MM = 0.5  # a hole that stands farther from its shank pulls with 10 N, or lies on the wrong side
 LIBRARIES = ("numpy", "scipy", "numba", "trimesh", "shapely")
 
 
@@ -94,7 +95,7 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
         },
         bands=_bands(outcome) if finite else {},
         uncalibrated=not all(is_calibrated(completed.sheet) for completed in job.fabrics.values()),
-        warnings=(*outcome.warnings, *(f"mannequin {body.name}: {repair}" for repair in body.repairs), *findings),
+        warnings=(*outcome.warnings, *_undone(job.pattern, held), *(f"mannequin {body.name}: {repair}" for repair in body.repairs), *findings),
     )
     roles = edge_roles(job.pattern)
     if finite:
@@ -112,9 +113,16 @@ def _held(outcome: Outcome) -> dict[str, tuple[float, float]]:
     held = {} if constraint is None else {name: (M_TO_MM * gap, speed) for name, gap, speed in zip(constraint.names, gaps, speeds) if name in names}
     for force in outcome.dynamics.forces.forces:
         if isinstance(force, ForceButton):
-            beside, speeds = force.gaps(outcome.state.positions), force.speeds(outcome.state.velocities)
+            beside, speeds = force.gaps(outcome.state.positions), force.speeds(outcome.state.positions, outcome.state.velocities)
             held |= {button.name: (M_TO_MM * float(gap), float(speed)) for button, gap, speed in zip(pattern.buttons, beside, speeds, strict=True)}
     return held
+
+
+def _undone(pattern: Pattern, held: dict[str, tuple[float, float]]) -> list[str]:
+    """A sentence for each button that is not where it holds."""
+    gaps = {button.name: held.get(button.name, (0.0, 0.0))[0] for button in pattern.buttons}
+    bar = f"at most {WIDEST_BUTTON_MM:g} mm is a button that holds"
+    return [f"button '{name}' is not done up: its hole is {gap:.1f} mm from the shank ({bar})" for name, gap in gaps.items() if gap > WIDEST_BUTTON_MM]
 
 
 def _bands(outcome: Outcome) -> dict[str, dict[str, float]]:

@@ -23,7 +23,7 @@ from garmentcad.contact.body import kept_gap
 from garmentcad.contact.elements import LEAST_GAP, largest_around
 from garmentcad.errors import SpecError, did_you_mean
 from garmentcad.fabric.material import MaterialTable
-from garmentcad.forces.button import Shanks
+from garmentcad.forces.button import Shanks, tilts
 from garmentcad.forces.time_step import DAMPING_RATIO
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.pattern import Panel, PanelPoint, Pattern, Pin
@@ -97,8 +97,20 @@ def button_shanks(pattern: Pattern, cloth: Cloth, materials: MaterialTable) -> S
     particles = indices(np.array([[at.particles for at in both] for both in ends]).reshape(-1, 2, 3))
     weights = floats(np.array([[at.weights for at in both] for both in ends]).reshape(-1, 2, 3))
     length = np.maximum(thickness[particles].max(axis=(1, 2), initial=0.0), LEAST_GAP) + SHANK_M
-    mobility = (weights**2 / cloth.masses[particles]).sum(axis=(1, 2))
+    moves = weights**2
+    moves[:, 0] += (length[:, None] * tilts(_at_rest(cloth, pattern, particles[:, 0]))) ** 2
+    mobility = (moves / cloth.masses[particles]).sum(axis=(1, 2))
     return Shanks(particles, weights, length, np.full(len(length), SHANK_N_M), 2.0 * DAMPING_RATIO * np.sqrt(SHANK_N_M / mobility))
+
+
+def _at_rest(cloth: Cloth, pattern: Pattern, particles: np.ndarray) -> np.ndarray:
+    """The triangles (B,3,3) m below the buttons, as they are cut; their particles (B,3)."""
+    corners = np.zeros((len(particles), 3, 3))
+    for number, button in enumerate(pattern.buttons):
+        mine = np.flatnonzero(cloth.vertex_panel == cloth.panel_names.index(button.button.panel))
+        vertex = dict(zip(cloth.vertex_particle[mine].tolist(), mine.tolist(), strict=True))
+        corners[number, :, :2] = MM_TO_M * cloth.vertex_uv_mm[[vertex[k] for k in particles[number].tolist()]]
+    return corners
 
 
 def redundances(rows: PointRows, cloth: Cloth, body: Mannequin) -> list[Dependence]:
