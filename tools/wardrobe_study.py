@@ -42,7 +42,7 @@ FABRICS = {
 }
 BODIES = {"t-shirt": WOMEN + MEN, "trousers": WOMEN + MEN, "mens-shirt": MEN, "knit-top": WOMEN + MEN}
 KEPT = ("status", "particles", "steps", "simulated_time_s", "seam_gap_mm", "mannequin_penetration_mm", "self_intersections", "mannequin_intersections",
-        "pattern_ease_mm", "ease_mm", "hem_height_mm", "waist_drop_mm", "armhole_to_shoulder_mm", "state_sha256", "warnings")  # fmt: skip
+        "constraints", "pattern_ease_mm", "ease_mm", "hem_height_mm", "waist_drop_mm", "armhole_to_shoulder_mm", "state_sha256", "warnings")  # fmt: skip
 GIRTHS = ("bust", "waist", "hip")
 COLUMNS = {
     "case": "case", "status": "status", "particles": "particles", "steps": "steps", "crosses (ipctk)": "crosses",

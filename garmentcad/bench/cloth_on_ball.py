@@ -54,12 +54,12 @@ def square_spec() -> GarmentSpec:
     return parse_spec({"schema": 1, "units": "mm", "name": NAME, "fabric": "linear", "mannequin": "ball", "panels": {"square": panel}})
 
 
-def linear_sheet() -> KesSheet:
+def linear_sheet(gap_m: float = GAP_M) -> KesSheet:
     """The fabric in tester units. LT = 1 makes the tensile curve a line, EMT its slope; the bias bends like warp and weft, so that bending has no direction."""
     bending = BENDING_N_M / GF_CM2_CM_TO_N_M
     values = {
         "W": AREAL_MASS_KG_M2 / MG_CM2_TO_KG_M2,
-        "T0": M_TO_MM * GAP_M,
+        "T0": M_TO_MM * gap_m,
         "Fm": _FM_GF_CM,
         "LT": 1.0,
         "RT": 100.0,

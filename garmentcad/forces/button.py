@@ -39,6 +39,11 @@ def no_shanks() -> Shanks:
     return Shanks(np.zeros((0, 2, 3), np.int32), np.zeros((0, 2, 3)), np.zeros(0), np.zeros(0), np.zeros(0))
 
 
+def yielding(shanks: Shanks, softness: float) -> Shanks:
+    """Shanks whose stiffness is divided by softness >= 1; their damping ratio stays."""
+    return shanks._replace(stiffness=shanks.stiffness / softness, damping=shanks.damping / math.sqrt(softness))
+
+
 @kernel
 def _end(shanks, button, side, positions):  # type: ignore[no-untyped-def]
     point = 0.0, 0.0, 0.0

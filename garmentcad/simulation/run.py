@@ -27,7 +27,7 @@ from garmentcad.fabric.material import MaterialTable, softened, without_friction
 from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.band import ForceBand
 from garmentcad.forces.band_lines import band_segments
-from garmentcad.forces.button import ForceButton
+from garmentcad.forces.button import ForceButton, yielding
 from garmentcad.forces.force import Force
 from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
@@ -293,20 +293,20 @@ def _refined_state(before: tuple[Cloth, ForceAssembly], state: State, after: tup
 def make_dynamics(
     job: Job, cloth: Cloth, materials: MaterialTable, fold_angles: np.ndarray, dressing: bool = False, path: BodyPath | None = None
 ) -> tuple[Dynamics, Callable[[float], ForceAssembly]]:
-    """The stepper, and its forces at a softness. dressing: while seams are sewn and folds pressed there are no bands, no pull of buttons, no weight and no
+    """The stepper, and its forces at a softness; buttons are softer yet, because the shank of one that has just closed stands aslant, and would tear at the
+    cloth below until it lies the other way up. dressing: while seams are sewn and folds pressed there are no bands, no pull of buttons, no weight and no
     friction, so that cloth slides to where seams close, and shear goes by chords: cloth that is bent as sharply as on its way there is beyond what arcs
     describe, and a fitted dress of GarmentCode did not close. path: of a body that moves."""
     weight = [] if dressing else [ForceGravity(cloth.masses)]
     pulls: list[Force] = []
     if job.pattern.bands and not dressing:
         pulls.append(ForceBand(band_segments(job.pattern, cloth)))
-    if job.pattern.buttons and not dressing:
-        pulls.append(ForceButton(button_shanks(job.pattern, cloth, materials)))
+    shanks = button_shanks(job.pattern, cloth, materials) if job.pattern.buttons and not dressing else None
 
     def forces_at(softness: float) -> ForceAssembly:
-        return ForceAssembly(
-            [*internal_forces(cloth, softened(materials, softness), fold_angles=fold_angles, arcs=not dressing), *pulls], cloth.particle_count, weight
-        )
+        inside = internal_forces(cloth, softened(materials, softness), fold_angles=fold_angles, arcs=not dressing)
+        buttons = [] if shanks is None else [ForceButton(yielding(shanks, softness**2))]
+        return ForceAssembly([*inside, *pulls, *buttons], cloth.particle_count, weight)
 
     touch = materials
     if dressing:
