@@ -112,6 +112,11 @@ def test_unknown_keys_are_refused_before_the_drape(key: str, says: str) -> None:
     assert caught.value.key == f"report.{key}"
 
 
+@pytest.mark.parametrize("key", ["constraints.gap_mm.button_1", "constraints.speed_m_s.peg", "bands.waist.tension_n.mean", "seam_tension.side.max"])
+def test_what_a_garment_names_itself_may_be_asserted(key: str) -> None:
+    refuse_unknown_keys([key], blank_report(), "t.yaml", "report")
+
+
 def test_keys_of_the_report_are_known() -> None:
     known = [
         "status",

@@ -151,7 +151,8 @@ class Course:
             left = max(0.0, FALL_S - (state.time_s - state.run["phase_from_s"]))
             softness = float(self._softness ** min(1.0, left / STIFFEN_S))
             if left < STIFFEN_S and _SLIPS not in state.run:
-                state.run[_SLIPS] = float(np.mean(strain_share(state.positions, self._rest_length, dynamics.limit) > TIGHT_STRAIN) > TIGHT_LINKS)
+                tight = strain_share(state.positions, self._rest_length, dynamics.limit) > TIGHT_STRAIN
+                state.run[_SLIPS] = float(np.count_nonzero(tight) > TIGHT_LINKS * len(tight))
         dynamics.contact.let_slip(state.phase == "fall" and state.run.get(_SLIPS, 0.0) > 0.0)
         if softness != dynamics.softness:
             dynamics.forces, dynamics.softness = self.forces_at(softness), softness
