@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 import trimesh
 
+import garmentcad.simulation.movement as moving
 import garmentcad.simulation.run as running
 from garmentcad.arrays import floats, indices
 from garmentcad.cloth.lattice import build_cloth, rectangle_cloth
@@ -241,6 +242,22 @@ def test_buttons_hold_to_a_tenth_of_a_millimetre_and_the_placket_closes() -> Non
     found = [warning for warning in record(outcome)[0].warnings if "not done up" in warning]
     assert len(found) == 1
     assert "button 'high'" in found[0]
+
+
+def test_buttons_and_an_elastic_go_with_a_body_that_turns(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The tube with its placket and an elastic at its waist on a body that turns by 30 degrees in 0.6 s: it goes along, and nothing comes undone."""
+    elastic = {"name": "waist", "along": [["right.top.back_top", "right.top.front_top"]], "ratio": 0.9, "stiffness": 20}
+    outcome = draped(job(lambda data: placket(data) or data.update(elastics=[elastic])))
+    times = np.linspace(0.0, 0.6, 7)
+    turns = [trimesh.transformations.rotation_matrix(math.radians(30.0) * share, [0, 1, 0])[:3, :3] for share in 0.5 - 0.5 * np.cos(np.pi * times / 0.6)]
+    monkeypatch.setattr(moving, "motion", lambda body, frames: (times, np.array([body.vertices @ turn.T for turn in turns])))
+    movement = moving.move(outcome, [], lambda progress: None)
+    assert (movement.status, movement.warning) == ("moved", None)
+    forces = {type(force).__name__: force for force in outcome.dynamics.forces.forces}
+    assert forces["ForceButton"].gaps(movement.state.positions).max() < 1e-4
+    assert forces["ForceBand"].tensions(movement.state.positions) == pytest.approx(forces["ForceBand"].tensions(outcome.state.positions), rel=0.2)
+    start, end = (np.arctan2(shape[:, 0], shape[:, 2]) for shape in (outcome.state.positions, movement.state.positions))
+    assert np.degrees(np.median(np.angle(np.exp(1j * (end - start))))) == pytest.approx(30.0, abs=3.0)
 
 
 def test_a_zip_joins_its_closed_part_and_leaves_the_rest_open() -> None:
