@@ -14,7 +14,7 @@ NO_BODY = np.zeros((0, 3))
 def rows(matrix: np.ndarray, targets: np.ndarray, shank: float = 0.0) -> PointRows:
     row, column = np.nonzero(matrix)
     count = len(matrix)
-    return PointRows(row, column, matrix[row, column], targets, tuple("abcdefgh"[:count]), np.full(count, shank))
+    return PointRows(row, column, matrix[row, column], targets, tuple("abcdefgh"[:count]), np.full(count, shank), np.zeros(count))
 
 
 def test_minimal_sets_are_found_by_rank() -> None:

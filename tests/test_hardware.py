@@ -209,10 +209,11 @@ def test_a_pin_rides_on_a_body_that_moves() -> None:
 
 
 def placket(data: dict[str, Any]) -> None:
-    """The tube, tight enough to stay up, laps over itself in front by 30 mm and has two buttons there; the right half lies over the left one."""
+    """The tube, tight enough to stay up, laps over itself in front by 30 mm and has two buttons there, of which the upper one closes after the seam; the right
+    half lies over the left one."""
     data["values"] |= {"half": "waist / 2 - 2", "lap": 15.0}
     data["panels"]["right"]["placement"]["wrap"]["offset"] = 22
-    data["closures"] = [{"name": name, "button": f"left.{name}", "buttonhole": f"right.{name}"} for name in ("low", "high")]
+    data["closures"] = [{"name": name, "button": f"left.{name}", "buttonhole": f"right.{name}", "order": order} for name, order in (("low", 1), ("high", 2))]
 
 
 def test_buttons_hold_to_a_tenth_of_a_millimetre_and_the_placket_closes() -> None:

@@ -39,7 +39,7 @@ def test_gap_decays_as_critical_damping_whatever_forces_pull() -> None:
 
 def test_a_row_holds_within_its_shank_and_decays_to_it_from_outside() -> None:
     """Two points on a thread of 2 mm: 1 mm apart they stay so; from 12 mm apart the 10 mm beyond it decay as (1 + r t) exp(-r t), along the line."""
-    rows = PointRows(np.array([0, 0]), np.array([0, 1]), np.array([1.0, -1.0]), np.zeros((1, 3)), ("button",), np.array([2e-3]))
+    rows = PointRows(np.array([0, 0]), np.array([0, 1]), np.array([1.0, -1.0]), np.zeros((1, 3)), ("button",), np.array([2e-3]), np.zeros(1))
     constraint = ConstraintPoints(rows, np.ones(2), rate=10.0)
     x, v = np.array([[0.0, 0.6e-3, 0.8e-3], [0.0, 0.0, 0.0]]), np.array([[0.0, 0.3, 0.0], [0.0, 0.0, 0.1]])
     apply_bonds(constraint.bonds(np.zeros((1, 3)), np.zeros((1, 3))), x, 1e-4, v)

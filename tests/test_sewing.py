@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from drawn import pattern, rectangle
@@ -19,7 +21,7 @@ from garmentcad.forces.internal import internal_forces
 from garmentcad.io.mannequin_file import read_mannequin
 from garmentcad.pattern.pattern import EdgeUse, Seam
 from garmentcad.simulation.course import CLOSED_M, Progress
-from garmentcad.simulation.sewing import Welding, close_seams, closing_leniency, row_orders, seam_orders, weld_state
+from garmentcad.simulation.sewing import Welding, close_seams, closing_leniency, first_orders, row_orders, weld_state
 from garmentcad.simulation.start import refuse_tangled
 from garmentcad.solve.dynamics import Dynamics
 from garmentcad.solve.strain_limit import strain_limit
@@ -176,12 +178,12 @@ def test_a_panel_that_waits_for_its_seam_is_not_knocked_about() -> None:
 def test_a_panel_waits_for_the_first_of_its_seams_and_holds_its_buttons_back() -> None:
     dynamics, _ = three_squares()
     cloth = dynamics.cloth
-    orders, last = seam_orders(cloth, np.fmin), seam_orders(cloth, np.fmax)
+    orders = first_orders(cloth)
     assert [set(orders[cloth.vertex_particle[cloth.vertex_panel == panel]]) for panel in range(3)] == [{1.0}, {1.0}, {2.0}]
-    assert [set(last[cloth.vertex_particle[cloth.vertex_panel == panel]]) for panel in range(3)] == [{1.0}, {2.0}, {2.0}]
     alone = np.array([int(np.argmax(cloth.vertex_panel == panel)) for panel in range(3)])
     rows = PointRows.plain(np.array([0, 1, 1, 2]), np.append(alone, 10**6)[[0, 1, 2, 3]], np.ones(4), np.arange(9.0).reshape(3, 3), ("hook", "button", "body"))
     assert row_orders(rows, orders).tolist() == [1.0, 2.0, 0.0]
+    assert row_orders(replace(rows, order=np.array([3.0, 1.0, 0.0])), orders).tolist() == [3.0, 2.0, 0.0]
     kept = rows_where(rows, row_orders(rows, orders) < 2.0)
     assert (kept.names, kept.row.tolist(), kept.particle.tolist()) == (("hook", "body"), [0, 1], [alone[0], 10**6])
     assert kept.targets.tolist() == rows.targets[[0, 2]].tolist()

@@ -38,6 +38,7 @@ class PointRows:
     """Rows of constraints. row, particle, weight: (K,) entries of J; targets (R,3) m; names (R,) what each row serves (a seam, a pin).
 
     The nodes of a body are numbered after the particles: an entry there ties a row to the body wherever that moves. shank: (R,) m, within which C is 0.
+    order: (R,) of the seams with which a row closes, at the earliest.
     """
 
     row: np.ndarray
@@ -46,11 +47,12 @@ class PointRows:
     targets: np.ndarray
     names: tuple[str, ...]
     shank: np.ndarray
+    order: np.ndarray
 
     @classmethod
     def plain(cls, row: np.ndarray, particle: np.ndarray, weight: np.ndarray, targets: np.ndarray, names: tuple[str, ...]) -> PointRows:
         """Rows whose targets stand still."""
-        return cls(row, particle, weight, targets, names, np.zeros(len(targets)))
+        return cls(row, particle, weight, targets, names, np.zeros(len(targets)), np.zeros(len(targets)))
 
 
 def joined_rows(first: PointRows, second: PointRows) -> PointRows:
@@ -62,6 +64,7 @@ def joined_rows(first: PointRows, second: PointRows) -> PointRows:
         np.concatenate([first.targets, second.targets]),
         first.names + second.names,
         np.concatenate([first.shank, second.shank]),
+        np.concatenate([first.order, second.order]),
     )
 
 
@@ -69,7 +72,7 @@ def rows_where(rows: PointRows, kept: np.ndarray) -> PointRows:
     """Those of the rows that `kept` (R,) bool names."""
     entries, number = kept[rows.row], np.cumsum(kept) - 1
     names = tuple(rows.names[k] for k in np.flatnonzero(kept))
-    return PointRows(number[rows.row[entries]], rows.particle[entries], rows.weight[entries], rows.targets[kept], names, rows.shank[kept])
+    return PointRows(number[rows.row[entries]], rows.particle[entries], rows.weight[entries], rows.targets[kept], names, rows.shank[kept], rows.order[kept])
 
 
 def stitch_rows(stitches: np.ndarray, names: tuple[str, ...]) -> PointRows:

@@ -57,7 +57,7 @@ def _button(spec: ButtonSpec, panels: Mapping[str, Panel], scope: Scope, key: st
     button, hole = (_panel_point(name, panels, f"{key}.{end}") for name, end in ((spec.button, "button"), (spec.buttonhole, "buttonhole")))
     if button == hole:
         raise SpecError(f"button and buttonhole are the same point {spec.button!r}", key=key)
-    return Button(spec.name, button, hole)
+    return Button(spec.name, button, hole, spec.order)
 
 
 def _zip(spec: ZipSpec, panels: Mapping[str, Panel], scope: Scope, key: str) -> Seam:

@@ -71,7 +71,7 @@ def put_on(name: str, patterns: Sequence[Pattern], mannequin: str) -> Pattern:
             seams.append(replace(seam, name=_named(pattern, seam.name), a=a, b=b, tack=tack, caught_in=caught_in))
         pins += [replace(pin, name=_named(pattern, pin.name), at=_moved(pattern, pin.at)) for pin in pattern.pins]
         for button in pattern.buttons:
-            buttons.append(Button(_named(pattern, button.name), _moved(pattern, button.button), _moved(pattern, button.buttonhole)))
+            buttons.append(Button(_named(pattern, button.name), _moved(pattern, button.button), _moved(pattern, button.buttonhole), button.order))
         for band in pattern.bands:
             lines = tuple(tuple(_moved(pattern, part) for part in line) for line in band.lines)
             bands.append(replace(band, name=_named(pattern, band.name), lines=lines))  # type: ignore[arg-type]

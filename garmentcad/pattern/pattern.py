@@ -163,11 +163,12 @@ class Pin:
 
 @dataclass(frozen=True)
 class Button:
-    """A buttonhole that lies over a button."""
+    """A buttonhole that lies over a button. order: it is closed with the seams of that order, or with the first of its panels if these come later."""
 
     name: str
     button: PanelPoint
     buttonhole: PanelPoint
+    order: int = 1
 
 
 @dataclass(frozen=True)

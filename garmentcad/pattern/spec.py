@@ -340,11 +340,12 @@ class PinSpec(Model):
 
 
 class ButtonSpec(Model):
-    """A button, and the buttonhole that lies over it: outside, on the right side of the button's panel."""
+    """A button, and the buttonhole that lies over it: outside, on the right side of the button's panel. order: of the seams with which it closes, from 1."""
 
     name: Name
     button: PanelPointName
     buttonhole: PanelPointName
+    order: Whole = Field(default=1, ge=1, le=9)
 
 
 class TapesSpec(Model):

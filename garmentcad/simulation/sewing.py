@@ -1,5 +1,5 @@
-"""Sewing: stitches close by dynamic constraints, without gravity and gently, order after order, and are then welded; pins close with the first seams of their
-panel and stay, buttons with the last ones, and then stand on their shanks. A panel that none of the seams of its turn has reached is held still."""
+"""Sewing: stitches close by dynamic constraints, without gravity and gently, order after order, and are then welded; pins and buttons close with the first
+ones of their panels, or later where they say so, and stay, buttons on their shanks. A panel that none of the seams of its turn has reached is held still."""
 
 from __future__ import annotations
 
@@ -73,14 +73,12 @@ class Welding:
 def close_seams(dynamics: Dynamics, state: State, hardware: PointRows, look: Callable[[Progress], None], pull_n_m: float = CLOSING_PULL_N_M) -> Welding:
     """Pull the stitches of `dynamics.cloth` (without gravity), and what pins and buttons hold, together until every gap is closed or the cap is reached:
     first those of the lowest order, which then hold while the next ones close. A panel whose first seam has not come yet is held where it was placed, and with
-    it the pins on it: what closes before would knock it about. Buttons wait for the last seam of their panels: a collar stand that is buttoned first is
-    twisted by the seams that are still to come, in silk until its end lies the other way round. pull_n_m: largest force of a stitch, per length of seam."""
+    it the pins and buttons on it: what closes before would knock it about. pull_n_m: largest force of a stitch, per length of seam."""
     cloth = dynamics.cloth
-    turns = seam_orders(cloth, np.fmin)
-    order = cloth.seam_order[cloth.stitch_seam]
-    held = np.where(hardware.shank > 0.0, row_orders(hardware, seam_orders(cloth, np.fmax)), row_orders(hardware, turns))
+    turns = first_orders(cloth)
+    order, held = cloth.seam_order[cloth.stitch_seam], row_orders(hardware, turns)
     began = state.run.get(_ORDER, 0.0)
-    for now in np.unique(order[order >= began]).tolist() or [began]:
+    for now in [one for one in np.union1d(order, held).tolist() if one >= began] or [began]:
         if state.run.get(_ORDER) != now:
             state.run |= {_ORDER: float(now), _FROM: state.time_s}
         dynamics.hold_still(turns > now)
@@ -89,19 +87,18 @@ def close_seams(dynamics: Dynamics, state: State, hardware: PointRows, look: Cal
     return welding
 
 
-def seam_orders(cloth: Cloth, which: np.ufunc) -> np.ndarray:
-    """Order (P,) of the first (`which` np.fmin) or last (np.fmax) open seam of the panel of each particle; of the first of all where its panel has
-    none."""
+def first_orders(cloth: Cloth) -> np.ndarray:
+    """Order (P,) of the first open seam of the panel of each particle; of the first of all where its panel has none."""
     panel_of = np.zeros(cloth.particle_count, dtype=np.int32)
     panel_of[cloth.vertex_particle] = cloth.vertex_panel
-    order, orders = cloth.seam_order[cloth.stitch_seam], np.full(len(cloth.panel_names), np.nan)
-    which.at(orders, panel_of[cloth.stitches], order[:, None])
-    return np.where(np.isnan(orders), order.min() if len(order) else 0.0, orders)[panel_of]
+    order, orders = cloth.seam_order[cloth.stitch_seam], np.full(len(cloth.panel_names), np.inf)
+    np.minimum.at(orders, panel_of[cloth.stitches], order[:, None])
+    return np.where(np.isinf(orders), order.min() if len(order) else 0.0, orders)[panel_of]
 
 
 def row_orders(rows: PointRows, turns: np.ndarray) -> np.ndarray:
-    """Order (R,) from which each row can act: that of the last of its particles to be let go; turns (P,) when they are."""
-    orders, bound = np.zeros(len(rows.targets)), rows.particle < len(turns)  # the rest are a body's nodes
+    """Order (R,) from which each row acts: its own, or that of the last of its particles to be let go; turns (P,) when they are."""
+    orders, bound = rows.order.copy(), rows.particle < len(turns)  # the rest are a body's nodes
     np.maximum.at(orders, rows.row[bound], turns[rows.particle[bound]])
     return orders
 

@@ -73,6 +73,7 @@ def hardware_rows(pattern: Pattern, cloth: Cloth, materials: MaterialTable, body
         np.array([target for _, _, target in entries]).reshape(-1, 3),
         names,
         np.concatenate([np.zeros(len(pins)), shanks.length]),
+        np.array([*np.zeros(len(pins)), *(button.order for button in pattern.buttons)]),
     )
     held = {
         pin.name: target - weights @ body.vertices[nodes - cloth.particle_count] for pin, (_, nodes, weights, target) in zip(pattern.pins, pins, strict=True)
