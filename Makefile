@@ -27,6 +27,7 @@ study: $(VENV)/.installed
 	$(BIN)/python -m tools.body_study
 	$(BIN)/python -m tools.study
 	$(BIN)/python -m tools.detection_study
+	$(BIN)/python -m tools.scaling_study
 	$(BIN)/python -m tools.cold_start_study
 	$(BIN)/python -m tools.garment_test_study
 	$(BIN)/python -m tools.wardrobe_study

@@ -1,7 +1,7 @@
 """How time and memory grow with the number of particles: workload W1, cloth on a ball, each measurement in a process of its own.
 
-`python -m tools.scaling_study` writes docs/studies/scaling.md; `python -m tools.scaling_study 40 20 -- 50 40` takes these grids for steps and, after --,
-for drapes.
+Steps: ever larger cloths of one lattice, so that nothing else changes. Drapes: W1 itself on ever finer lattices. `python -m tools.scaling_study` writes
+docs/studies/scaling.md; `python -m tools.scaling_study 0.5 1 -- 50 40` takes these sides [m] for steps and, after --, grids [mm] for drapes.
 """
 
 from __future__ import annotations
@@ -18,25 +18,29 @@ from typing import Any
 import numpy as np
 
 from garmentcad.bench.cases import warm_up
-from garmentcad.bench.cloth_on_ball import cloth_on_ball, linear_sheet
+from garmentcad.bench.cloth_on_ball import ball, cloth_on_ball, linear_sheet, square_spec
 from garmentcad.fabric.missing import complete
+from garmentcad.pattern.draft import draft
 from garmentcad.simulation.job import Job
 from garmentcad.simulation.run import run
 
 PAGE = Path(__file__).resolve().parent.parent / "docs" / "studies" / "scaling.md"
-STEP_GRIDS_MM = (20.0, 10.0, 5.0, 3.0, 2.0)
+STEP_GRID_MM, SIDES_M = 5.0, (0.5, 1.0, 1.6, 2.5)
 DRAPE_GRIDS_MM = (40.0, 20.0, 10.0)
 THREADS = (1, 2)
 STEPS = 300  # measured
-GAP_M = 1e-3  # what contact keeps thin fabrics apart; the 3 mm of W1 are more than the spacing of the finest lattices here, whose neighbours would all be near
+GAP_M = 1e-3  # what contact keeps thin fabrics apart; the 3 mm of W1 nearly reach from particle to particle of the lattice here
 FALLEN_S = 0.03  # simulated before: the cloth has just touched the ball
 
 
-def steps_of(grid_mm: float) -> dict[str, Any]:
-    """Time a step on the lattice of `grid_mm` and the memory that it takes beyond the imports and the kernels."""
+def steps_of(side_m: float) -> dict[str, Any]:
+    """Time a step of a cloth of `side_m` and the memory that it takes beyond the imports and the kernels."""
     warm_up()
     before_mb = _peak_mb()
-    outcome = run(_job(grid_mm, mode="dynamics", max_time_s=FALLEN_S), lambda progress: None)
+    spec, body = square_spec(side_m), ball()
+    fabrics = {spec.fabric: complete(linear_sheet(GAP_M))}
+    job = Job(spec, draft(spec, body.measurements_mm), fabrics, body, STEP_GRID_MM, mode="dynamics", max_time_s=FALLEN_S)
+    outcome = run(job, lambda progress: None)
     dynamics, state = outcome.dynamics, outcome.state
     began = time.perf_counter()
     dynamics.advance(state, STEPS)
@@ -50,22 +54,17 @@ def drape_of(grid_mm: float) -> dict[str, Any]:
     """A whole drape to rest."""
     warm_up()
     began = time.perf_counter()
-    outcome = run(_job(grid_mm), lambda progress: None)
+    outcome = run(cloth_on_ball(grid_mm), lambda progress: None)
     return {"particles": outcome.cloth.particle_count, "status": outcome.status, "steps": outcome.state.step, "wall_s": time.perf_counter() - began}
-
-
-def _job(grid_mm: float, **more: Any) -> Job:
-    job = cloth_on_ball(grid_mm)
-    return Job(job.spec, job.pattern, {job.spec.fabric: complete(linear_sheet(GAP_M))}, job.mannequin, job.grid_mm, **more)
 
 
 def _peak_mb() -> float:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
 
 
-def measured(what: str, grid_mm: float, threads: int) -> dict[str, Any]:
+def measured(what: str, size: float, threads: int) -> dict[str, Any]:
     """One measurement in a fresh process."""
-    command = [sys.executable, "-m", "tools.scaling_study", what, str(grid_mm)]
+    command = [sys.executable, "-m", "tools.scaling_study", what, str(size)]
     done = subprocess.run(command, env=os.environ | {"NUMBA_NUM_THREADS": str(threads)}, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         raise SystemExit(f"exit {done.returncode}: {done.stderr}")
@@ -77,24 +76,24 @@ def exponent(particles: list[int], values: list[float]) -> float:
     return float(np.polyfit(np.log(particles), np.log(values), 1)[0])
 
 
-def main(step_grids: tuple[float, ...], drape_grids: tuple[float, ...]) -> None:
+def main(sides: tuple[float, ...], drape_grids: tuple[float, ...]) -> None:
     """Run the study and write its page."""
     load = os.getloadavg()[0]
-    case = f"W1, cloth on a ball (docs/bench.md), of cloth {1e3 * GAP_M:g} mm thick"
-    said = f"`python -m tools.scaling_study`: {case}, {os.cpu_count()} cores, load {load:.1f} before."
+    said = f"`python -m tools.scaling_study`: W1, cloth on a ball (docs/bench.md), {os.cpu_count()} cores, load {load:.1f} before."
     lines = ["# Time and memory against particles", "", said, "", "## Steps", ""]
-    lines += [f"{STEPS} steps of dynamics after {FALLEN_S:g} simulated seconds, detection and looks at the stiffness included.", ""]
-    table = ["| grid mm | particles | pairs of self-contact and body | threads | us a step | ns a particle and step | memory MB | kB a particle |"]
+    case = f"Squares {1e3 * GAP_M:g} mm thick on a lattice of {STEP_GRID_MM:g} mm"
+    lines += [f"{case}: {STEPS} steps of dynamics after {FALLEN_S:g} simulated seconds, detection and looks at the stiffness included.", ""]
+    table = ["| side m | particles | pairs of self-contact and body | threads | us a step | ns a particle and step | memory MB | kB a particle |"]
     table += ["|---|---|---|---|---|---|---|---|"]
     print(table[0], flush=True)
     grown: dict[int, tuple[list[int], list[float]]] = {threads: ([], []) for threads in THREADS}
-    for grid in step_grids:
+    for side in sides:
         for threads in THREADS:
-            row = measured("steps", grid, threads)
+            row = measured("steps", side, threads)
             count, step, memory = row["particles"], row["us_per_step"], row["memory_mb"]
             grown[threads][0].append(count)
             grown[threads][1].append(step)
-            cells = f"{grid:g} | {count} | {row['pairs']} | {threads} | {step:.0f} | {1e3 * step / count:.0f} | {memory:.0f} | {1024 * memory / count:.1f}"
+            cells = f"{side:g} | {count} | {row['pairs']} | {threads} | {step:.0f} | {1e3 * step / count:.0f} | {memory:.0f} | {1024 * memory / count:.1f}"
             table.append(f"| {cells} |")
             print(table[-1], flush=True)
     lines += [*table, ""]
@@ -119,4 +118,4 @@ if __name__ == "__main__":
         cut = sys.argv.index("--")
         main(tuple(map(float, sys.argv[1:cut])), tuple(map(float, sys.argv[cut + 1 :])))
     else:
-        main(STEP_GRIDS_MM, DRAPE_GRIDS_MM)
+        main(SIDES_M, DRAPE_GRIDS_MM)

@@ -43,9 +43,9 @@ def cloth_on_ball(grid_mm: float = 10.0, seed: int = 0) -> Job:
     return Job(spec, draft(spec, body.measurements_mm), {spec.fabric: complete(linear_sheet())}, body, grid_mm, seed)
 
 
-def square_spec() -> GarmentSpec:
+def square_spec(side_m: float = SIDE_M) -> GarmentSpec:
     """One square panel, grainline along its y, laid level above the ball with its right side up."""
-    half = 0.5 * M_TO_MM * SIDE_M
+    half = 0.5 * M_TO_MM * side_m
     height = M_TO_MM * (CENTER_M[1] + RADIUS_M + START_M)
     corners = {"a": [-half, -half], "b": [half, -half], "c": [half, half], "d": [-half, half]}
     edges = [{"name": start + end, "from": start, "to": end} for start, end in ("ab", "bc", "cd", "da")]
