@@ -111,7 +111,10 @@ def _keys(matrix: csr_matrix) -> np.ndarray:
 
 
 def _among(keys: np.ndarray, rising: np.ndarray) -> np.ndarray:
-    """(K,) bool: which keys (K,) are in `rising`. Keys come nearly sorted, so that a search stays in one place of memory; np.isin sorts both, which took four fifths of a detection."""
+    """(K,) bool: which keys (K,) are in `rising`.
+
+    Keys come nearly sorted, so that a search stays in one place of memory; np.isin sorts both, which took four fifths of a detection.
+    """
     if len(rising) == 0:
         return np.zeros(len(keys), dtype=bool)
     return np.asarray(rising[np.minimum(np.searchsorted(rising, keys), len(rising) - 1)] == keys)
