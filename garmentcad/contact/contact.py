@@ -39,8 +39,9 @@ from garmentcad.fabric.material import MaterialTable
 from garmentcad.geometry.closest import distance_between
 from garmentcad.units import MM_TO_M
 
-# Of the lattice spacing: the way of any node that one detection covers. The neighbours in a lattice stand 0.7 spacings apart; up to there pairs are few.
-_ACROSS, _COVERED_LEAST = 0.7, 0.125
+# Of the lattice spacing: how far two parts may at least come nearer, gap included, until one detection is used up, and the least way of each. More costs pairs,
+# whose number grows with its square where a lattice is coarser than the mesh of the body or lies in layers; less costs detections.
+_ACROSS, _COVERED_LEAST = 0.35, 0.125
 SURGE = 1.5  # fastest speed after a response, in fastest speeds before it, up to which the candidates in reach were chosen right
 
 
