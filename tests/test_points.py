@@ -122,10 +122,12 @@ def test_cap_bounds_the_force() -> None:
     assert np.allclose(v, [[0.005, 0.0, 0.0], [-0.005, 0.0, 0.0]])
 
 
-@pytest.mark.parametrize(("least_speed", "expected"), [(0.0, 2.0 * 0.02 / 14.0), (0.05, 10.0 * 0.02 * 1e-4)])
-def test_ends_that_something_drives_apart_close_with_a_floor_on_their_speed(least_speed: float, expected: float) -> None:
-    """A contact takes 0.02 m/s from the closing speed in every step. The decay demands r C/2 and stalls where that is as slow; the floor is not."""
+@pytest.mark.parametrize(("least_speed", "share", "expected"), [(0.0, 0.1, 2.0 * 0.02 / 14.0), (0.05, 0.1, 10.0 * 0.02 * 1e-4), (0.05, 0.5, 2.0 * 0.02 * 1e-4)])
+def test_ends_that_something_drives_apart_close_with_a_floor_on_their_speed(least_speed: float, share: float, expected: float) -> None:
+    """A contact takes 0.02 m/s from the closing speed in every step. The decay demands r C/2 and stalls where that is as slow; the floor does so where a share
+    of the way in a step is."""
     constraint = ConstraintPoints(stitch_rows(np.array([[0, 1]]), ("armhole",)), np.ones(2), rate=14.0, least_speed=least_speed)
+    constraint.least_share = share
     x, v = np.array([[0.01, 0.0, 0.0], [0.0, 0.0, 0.0]]), np.zeros((2, 3))
     bonds, dt = constraint.bonds(np.zeros((1, 3)), np.zeros((1, 3))), 1e-4
     for _ in range(20000):

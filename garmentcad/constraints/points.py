@@ -13,7 +13,8 @@ A row may have a shank: points that are joined by a thread. Within its length C 
 C = (1 - shank/|d|) d with d = sum_k w_k x_k - target.
 
 The last millimetres of an exponential decay are slow, and two ends that are pressed onto both flanks of a ridge of the body are driven apart faster than it
-demands: they would stand still before they meet. So a closing speed has a floor, until the way left is less than ten steps of it.
+demands: they would stand still before they meet. So a closing speed has a floor, until the way left is less than ten steps of it; of fewer steps where layers
+that stand apart hold the row open, which then pulls harder.
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ from garmentcad.arrays import floats, indices, kernel, long_kernel
 from garmentcad.errors import InputError
 from garmentcad.geometry.closest import dot
 
+LEAST_SHARE = 0.1
 _FASTEST = math.sqrt(0.1)  # of rate times step, so that ks dt^2 < 0.1
 
 
@@ -100,7 +102,7 @@ class Bonds(NamedTuple):
     forces: np.ndarray  # (R,3) N, multipliers
     shanks: np.ndarray  # (R,) m
     least: np.ndarray  # (R,) m/s, floor of the closing speed
-    numbers: np.ndarray  # (3,) rate 1/s, largest force N, 1 where the forces stay as they are
+    numbers: np.ndarray  # (4,) rate 1/s, largest force N, 1 where the forces stay as they are, share of its way that the floor closes in a step at most
 
 
 @kernel
@@ -128,7 +130,7 @@ def demand_speeds(bonds, positions, time_step):  # type: ignore[no-untyped-def]
             length += difference * difference
             along -= difference * bonds.wanted[r, axis]
         length = max(math.sqrt(length), 1e-12)
-        lacking = min(least_speed, 0.1 * length / time_step) - along / length
+        lacking = min(least_speed, bonds.numbers[3] * length / time_step) - along / length
         if least_speed > 0.0 and lacking > 0.0:
             for axis in range(3):
                 bonds.wanted[r, axis] -= lacking * share * away[axis] / length
@@ -180,15 +182,15 @@ def no_bonds() -> Bonds:
     """No constraint at all."""
     empty = Rows(np.zeros(1, np.int32), np.zeros(0, np.int32), np.zeros(0))
     none = np.zeros((0, 3))
-    return Bonds(empty, empty, empty, none, none, none, np.zeros(0), np.zeros(0), np.zeros(3))
+    return Bonds(empty, empty, empty, none, none, none, np.zeros(0), np.zeros(0), np.zeros(4))
 
 
 class ConstraintPoints:
     """All point constraints of a cloth, solved together at each step.
 
     rate: closing rate r [1/s]; ks = r^2, and steps so long that ks dt^2 would exceed 0.1 take a lower one. cap: largest force of a row [N].
-    least_speed: floor of the closing speed [m/s], one or (R,). nodes: number of particles and nodes of a body, as many as the positions have that it is
-    given; default: the particles alone.
+    least_speed: floor of the closing speed [m/s], one or (R,); least_share: of the way left, that the floor closes in a step at most. nodes: number of
+    particles and nodes of a body, as many as the positions have that it is given; default: the particles alone.
     `loaded`: the multipliers stay what they were. Where contact holds against a constraint, what each of them carries depends on the inertia of the moment;
     whether forces balance does not.
     `redundant` names rows that repeat others (they are solved by least squares).
@@ -198,7 +200,7 @@ class ConstraintPoints:
         self, rows: PointRows, inverse_masses: np.ndarray, rate: float, cap: float = np.inf, least_speed: float | np.ndarray = 0.0, nodes: int | None = None
     ) -> None:
         self.names, self.cap, self.least_speed = rows.names, cap, least_speed
-        self.targets, self.rate = rows.targets, rate
+        self.targets, self.rate, self.least_share = rows.targets, rate, LEAST_SHARE
         self._shanks = rows.shank
         count = len(inverse_masses) if nodes is None else nodes
         self._jacobian: csr_matrix = coo_matrix((rows.weight, (rows.row, rows.particle)), shape=(len(rows.targets), count)).tocsr()
@@ -255,5 +257,5 @@ class ConstraintPoints:
         return Bonds(
             _rows(self._jacobian), _rows(self._solved), _rows(self._spread), floats(self.targets), wanted, forces, floats(self._shanks),
             floats(np.broadcast_to(self.least_speed, len(wanted))),
-            floats([self.rate, self.cap, float(self.loaded)]),
+            floats([self.rate, self.cap, float(self.loaded), self.least_share]),
         )  # fmt: skip

@@ -10,7 +10,7 @@ import numpy as np
 
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.state import State
-from garmentcad.constraints.points import ConstraintPoints, PointRows, joined_rows, rows_where, stitch_rows
+from garmentcad.constraints.points import LEAST_SHARE, ConstraintPoints, PointRows, joined_rows, rows_where, stitch_rows
 from garmentcad.simulation.course import (
     CAUGHT_M,
     CLOSED_DOUBLES_S,
@@ -124,6 +124,7 @@ def _close(
         closed = bool(np.all(gaps[:sewn] < np.maximum(caught, leniency * CLOSED_M))) and gaps[sewn:].max(initial=0.0) < leniency * HELD_M
         if closed or state.time_s - since >= CLOSING_CAP_S:
             break
+        dynamics.constraint.least_share = min(1.0, leniency * LEAST_SHARE)
         dynamics.constraint.least_speed = np.where(late, SPEED_CAP_M_S, least_closing_speed(state.time_s - since))
         advance_or_retreat(dynamics, state)
     worst: dict[str, float] = {}
