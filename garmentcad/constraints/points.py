@@ -102,7 +102,8 @@ class Bonds(NamedTuple):
     forces: np.ndarray  # (R,3) N, multipliers
     shanks: np.ndarray  # (R,) m
     least: np.ndarray  # (R,) m/s, floor of the closing speed
-    numbers: np.ndarray  # (4,) rate 1/s, largest force N, 1 where the forces stay as they are, share of its way that the floor closes in a step at most
+    least_share: np.ndarray  # (R,) of the way left, that this floor closes in a step at most
+    numbers: np.ndarray  # (3,) rate 1/s, largest force N, 1 where the forces stay as they are
 
 
 @kernel
@@ -130,7 +131,7 @@ def demand_speeds(bonds, positions, time_step):  # type: ignore[no-untyped-def]
             length += difference * difference
             along -= difference * bonds.wanted[r, axis]
         length = max(math.sqrt(length), 1e-12)
-        lacking = min(least_speed, bonds.numbers[3] * length / time_step) - along / length
+        lacking = min(least_speed, bonds.least_share[r] * length / time_step) - along / length
         if least_speed > 0.0 and lacking > 0.0:
             for axis in range(3):
                 bonds.wanted[r, axis] -= lacking * share * away[axis] / length
@@ -182,14 +183,14 @@ def no_bonds() -> Bonds:
     """No constraint at all."""
     empty = Rows(np.zeros(1, np.int32), np.zeros(0, np.int32), np.zeros(0))
     none = np.zeros((0, 3))
-    return Bonds(empty, empty, empty, none, none, none, np.zeros(0), np.zeros(0), np.zeros(4))
+    return Bonds(empty, empty, empty, none, none, none, np.zeros(0), np.zeros(0), np.zeros(0), np.zeros(3))
 
 
 class ConstraintPoints:
     """All point constraints of a cloth, solved together at each step.
 
     rate: closing rate r [1/s]; ks = r^2, and steps so long that ks dt^2 would exceed 0.1 take a lower one. cap: largest force of a row [N].
-    least_speed: floor of the closing speed [m/s], one or (R,); least_share: of the way left, that the floor closes in a step at most. nodes: number of
+    least_speed: floor of the closing speed [m/s], one or (R,); least_share: of the way left, that the floor closes in a step at most, alike. nodes: number of
     particles and nodes of a body, as many as the positions have that it is given; default: the particles alone.
     `loaded`: the multipliers stay what they were. Where contact holds against a constraint, what each of them carries depends on the inertia of the moment;
     whether forces balance does not.
@@ -200,7 +201,8 @@ class ConstraintPoints:
         self, rows: PointRows, inverse_masses: np.ndarray, rate: float, cap: float = np.inf, least_speed: float | np.ndarray = 0.0, nodes: int | None = None
     ) -> None:
         self.names, self.cap, self.least_speed = rows.names, cap, least_speed
-        self.targets, self.rate, self.least_share = rows.targets, rate, LEAST_SHARE
+        self.targets, self.rate = rows.targets, rate
+        self.least_share: float | np.ndarray = LEAST_SHARE
         self._shanks = rows.shank
         count = len(inverse_masses) if nodes is None else nodes
         self._jacobian: csr_matrix = coo_matrix((rows.weight, (rows.row, rows.particle)), shape=(len(rows.targets), count)).tocsr()
@@ -257,5 +259,6 @@ class ConstraintPoints:
         return Bonds(
             _rows(self._jacobian), _rows(self._solved), _rows(self._spread), floats(self.targets), wanted, forces, floats(self._shanks),
             floats(np.broadcast_to(self.least_speed, len(wanted))),
-            floats([self.rate, self.cap, float(self.loaded), self.least_share]),
+            floats(np.broadcast_to(self.least_share, len(wanted))),
+            floats([self.rate, self.cap, float(self.loaded)]),
         )  # fmt: skip

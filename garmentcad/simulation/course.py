@@ -26,7 +26,7 @@ CLOSING_RATE = 14.0  # 1/s, of the dynamic constraints
 CLOSING_LEAST_M_S, CLOSING_LATE_S, CLOSING_DOUBLES_S = 0.05, 0.6, 0.1
 # What is pulled as fast as cloth may go and still stands open is held apart by layers that lie between: where a collar folds over its seam, say. From then on
 # the gap below which seams are welded doubles with every so many seconds, up to the widest that is a closed seam; and so does that of pins and buttons.
-# The share of its gap that a row closes in a step does as well, so that it presses harder: three layers of a pleat were held 1.5 mm apart by 0.06 N.
+# The share of its gap that a stitch of three layers closes in a step does as well, so that it presses harder: 0.06 N of contact held a pleat 1.5 mm open.
 CLOSED_LATE_S, CLOSED_DOUBLES_S = 1.0, 0.2
 CLOSING_PULL_N_M = 100.0  # per length of seam, at most: a fifth of what the tensile tester pulls
 # A waistband that is closed over what is worn already has to press it into folds: 15 N on 38 mm, an estimate of what a hand does. With 4 N it stood 43 mm

@@ -114,7 +114,9 @@ def _close(
     rows = joined_rows(stitch_rows(cloth.stitches[chosen], names), hardware)
     dynamics.constraint = ConstraintPoints(rows, dynamics.inverse_masses, CLOSING_RATE, pull, CLOSING_LEAST_M_S, nodes)
     _make_room(state, rows)
-    caught = np.where(cloth.seam_layered[cloth.stitch_seam[chosen]], CAUGHT_M, 0.0)
+    layered = cloth.seam_layered[cloth.stitch_seam[chosen]]
+    caught = np.where(layered, CAUGHT_M, 0.0)
+    between = np.concatenate([layered, np.zeros(len(hardware.targets), dtype=bool)])
     dynamics.equalise, dynamics.drag = True, CLOSING_DRAG
     dynamics.speed_cap_m_s = SPEED_CAP_M_S
     while True:
@@ -124,7 +126,7 @@ def _close(
         closed = bool(np.all(gaps[:sewn] < np.maximum(caught, leniency * CLOSED_M))) and gaps[sewn:].max(initial=0.0) < leniency * HELD_M
         if closed or state.time_s - since >= CLOSING_CAP_S:
             break
-        dynamics.constraint.least_share = min(1.0, leniency * LEAST_SHARE)
+        dynamics.constraint.least_share = np.where(between, min(1.0, leniency * LEAST_SHARE), LEAST_SHARE)
         dynamics.constraint.least_speed = np.where(late, SPEED_CAP_M_S, least_closing_speed(state.time_s - since))
         advance_or_retreat(dynamics, state)
     worst: dict[str, float] = {}
