@@ -42,6 +42,8 @@ from garmentcad.units import MM_TO_M
 # Of the lattice spacing: how far two parts may at least come nearer, gap included, until one detection is used up, and the least way of each. More costs pairs,
 # whose number grows with its square where a lattice is coarser than the mesh of the body or lies in layers; less costs detections.
 _ACROSS, _COVERED_LEAST = 0.35, 0.125
+# Fast motion would use that up in no time: then the way of so many steps, up to this part of the spacing.
+_STEPS, _COVERED_FAST = 16.0, 0.2
 SURGE = 1.5  # fastest speed after a response, in fastest speeds before it, up to which the candidates in reach were chosen right
 
 
@@ -244,7 +246,7 @@ class Contact:
     def _find_pairs(self, state: State, reserve_m: float) -> None:
         gap = float(self._cloth_gap.max(initial=LEAST_GAP))
         least = max(_COVERED_LEAST * self._spacing, 0.5 * (_ACROSS * self._spacing - gap))
-        covered = max(least, min(4.0 * reserve_m, 2.0 * self._spacing), 1.01 * SURGE * reserve_m)
+        covered = max(least, min(_STEPS * reserve_m, _COVERED_FAST * self._spacing), 1.01 * SURGE * reserve_m)
         self._store(state, self.near(state, covered), covered)
 
     def near(self, state: State, way_m: float) -> Pairs:
