@@ -31,7 +31,7 @@ from garmentcad.arrays import floats, indices, kernel, long_kernel
 from garmentcad.errors import InputError
 from garmentcad.geometry.closest import dot
 
-LEAST_SHARE = 0.1
+LEAST_SHARE = 0.1  # of its way, that the floor of the closing speed closes in a step at most
 _FASTEST = math.sqrt(0.1)  # of rate times step, so that ks dt^2 < 0.1
 
 
