@@ -33,6 +33,7 @@ study: $(VENV)/.installed
 	$(BIN)/python -m tools.wardrobe_study
 	$(BIN)/python -m tools.soak_study
 	$(BIN)/python -m tools.movement_study
+	$(BIN)/python -m tools.outfit_study
 	$(BIN)/python -m tools.jitter_study
 	$(BIN)/python -m tools.kill_study
 	$(BIN)/python -m tools.determinism_study

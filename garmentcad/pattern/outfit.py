@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Literal, TypeVar
 
@@ -10,10 +10,8 @@ from pydantic import Field, PrivateAttr
 
 from garmentcad.errors import SpecError
 from garmentcad.pattern.model import Model
-from garmentcad.pattern.pattern import Band, Button, EdgeUse, Panel, PanelPoint, Pattern, Pin, Seam, Wrap
+from garmentcad.pattern.pattern import Band, Button, EdgeUse, Panel, PanelPoint, Pattern, Pin, Seam
 from garmentcad.pattern.spec import Name, Variable
-
-LAYER_MM = 25.0  # by which panels start farther from the body than those of the garments below: an estimate, wide enough for sleeves that start askew
 
 
 class WornSpec(Model):
@@ -43,8 +41,7 @@ class OutfitSpec(Model):
 
 
 def put_on(name: str, patterns: Sequence[Pattern], mannequin: str) -> Pattern:
-    """One pattern of several, inner to outer: names begin with the garment's, every panel names its fabric, and on each part of the body wraps of a garment
-    begin at least LAYER_MM farther out than those of all garments below it.
+    """One pattern of several, inner to outer: names begin with the garment's, and every panel names its fabric.
 
     SpecError where two garments have one name.
     """
@@ -57,13 +54,9 @@ def put_on(name: str, patterns: Sequence[Pattern], mannequin: str) -> Pattern:
     buttons: list[Button] = []
     bands: list[Band] = []
     for layer, pattern in enumerate(patterns):
-        wider = _wider(pattern, panels.values())
         for panel in pattern.panels.values():
-            rule, own = panel.placement, _named(pattern, panel.name)
-            if isinstance(rule, Wrap):
-                offset, scale = wider.get(rule.part, (0.0, 0.0))
-                rule = replace(rule, offset_mm=rule.offset_mm + offset, scale=rule.scale + scale)
-            panels[own] = replace(panel, name=own, placement=rule, fabric=panel.fabric or pattern.fabric, layer=layer)
+            own = _named(pattern, panel.name)
+            panels[own] = replace(panel, name=own, fabric=panel.fabric or pattern.fabric, layer=layer)
         for seam in pattern.seams:
             a, b = (tuple(_moved(pattern, use) for use in side) for side in (seam.a, seam.b))
             tack = seam.tack and _moved(pattern, seam.tack)
@@ -91,28 +84,6 @@ def below(pattern: Pattern) -> Pattern:
         buttons=tuple(button for button in pattern.buttons if button.button.panel in panels),
         bands=tuple(band for band in pattern.bands if band.lines[0][0].panel in panels),
     )
-
-
-def _wider(pattern: Pattern, below: Iterable[Panel]) -> dict[str, tuple[float, float]]:
-    """By part, what wraps of `pattern` need more of offset [mm] and of scale to begin outside all panels below them. All of a part alike, so that they keep
-    their order among each other."""
-    outer, own = _rules(below), _rules(pattern.panels.values())
-    return {
-        part: (
-            max(0.0, max(rule.offset_mm for rule in outer[part]) - min(rule.offset_mm for rule in rules)) + LAYER_MM,
-            max(0.0, max(rule.scale for rule in outer[part]) - min(rule.scale for rule in rules)),
-        )
-        for part, rules in own.items()
-        if part in outer
-    }
-
-
-def _rules(panels: Iterable[Panel]) -> dict[str, list[Wrap]]:
-    found: dict[str, list[Wrap]] = {}
-    for panel in panels:
-        if isinstance(panel.placement, Wrap):
-            found.setdefault(panel.placement.part, []).append(panel.placement)
-    return found
 
 
 _Part = TypeVar("_Part", bound=EdgeUse | PanelPoint)

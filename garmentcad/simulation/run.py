@@ -35,6 +35,7 @@ from garmentcad.geometry.intersection import crossing_triangle_pairs, crossing_t
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.outfit import below
 from garmentcad.pattern.pattern import Panel
+from garmentcad.placement.outside import around_worn
 from garmentcad.placement.place import place_vertices
 from garmentcad.simulation.checkpoint import load_state, save_state
 from garmentcad.simulation.course import CLOSING_OVER_N_M, CLOSING_PULL_N_M, LOOSE_SOFTNESS, SOFTNESS, Course, Progress
@@ -319,6 +320,8 @@ def make_dynamics(
 def _placed_state(job: Job, cloth: Cloth, start: Cloth, worn: dict[str, np.ndarray], warnings: list[str]) -> State:
     """The panels of `cloth` where they begin, for `start`, the same cloth with what is `worn` already (panel -> (V,3) m of its vertices) sewn."""
     positions = place_vertices(job.pattern, cloth, job.mannequin)
+    if worn:
+        positions = place_vertices(around_worn(job.pattern, cloth, positions, job.mannequin, worn), cloth, job.mannequin)
     for panel, hung in worn.items():
         positions[cloth.vertex_panel == cloth.panel_names.index(panel)] = hung
     moves = clearing_moves(job.pattern, cloth, positions, job.mannequin, worn)
