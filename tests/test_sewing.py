@@ -192,3 +192,36 @@ def test_a_panel_waits_for_the_first_of_its_seams_and_holds_its_buttons_back() -
 def test_layers_that_hold_a_seam_apart_are_welded_with_it_late() -> None:
     assert [closing_leniency(time_s) for time_s in (0.0, 1.0, 1.2, 1.4)] == pytest.approx([1.0, 1.0, 2.0, 4.0])
     assert closing_leniency(3.0) * CLOSED_M == pytest.approx(1e-3), "no wider than what is a closed seam"
+
+
+class Wall(Dynamics):
+    """Lets no stitch close, and keeps what each row may ask for."""
+
+    asked: list[tuple[float, np.ndarray]]
+
+    def advance(self, state: State, steps: int) -> None:
+        assert self.constraint is not None
+        self.asked.append((state.time_s, np.array(self.constraint.least_share)))
+        before = state.positions.copy()
+        super().advance(state, steps)
+        state.positions[:], state.velocities[:] = before, 0.0
+
+
+def test_only_stitches_of_three_layers_ask_for_more_when_they_are_late() -> None:
+    materials = linear_fabric()
+    seams = tuple(Seam(name, (EdgeUse(one, 1, False),), (EdgeUse(other, 3, True),)) for name, one, other in (("plain", "a", "b"), ("pleat", "b", "c")))
+    cloth = build_cloth(pattern(*(rectangle(60, 60, name=name) for name in "abc"), seams=seams), one_material, materials, 20.0)
+    cloth = replace(cloth, seam_layered=np.array([False, True]))
+    apart = np.column_stack([70.0 * cloth.vertex_panel, np.zeros(cloth.particle_count)])
+    positions = np.column_stack([cloth.vertex_uv_mm + apart, np.zeros(cloth.particle_count)]) * 1e-3
+    forces = ForceAssembly(internal_forces(cloth, materials), cloth.particle_count, [])
+    dynamics = Wall(cloth, forces, strain_limit(cloth, materials), Contact(cloth, materials))
+    dynamics.asked = []
+    state = State(positions, np.zeros_like(positions), phase="close")
+    dynamics.start(state)
+    assert len(close_seams(dynamics, state, NO_HARDWARE, lambda progress: None).open_seams) == 2
+    layered = cloth.seam_layered[cloth.stitch_seam]
+    for time_s, shares in dynamics.asked:
+        assert (shares[~layered] == 0.1).all()
+        assert shares[layered] == pytest.approx(min(1.0, 0.1 * 2.0 ** max(0.0, (time_s - 1.0) / 0.2)))
+    assert max(shares.max() for _, shares in dynamics.asked) == 1.0
