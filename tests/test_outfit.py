@@ -130,9 +130,15 @@ def test_one_fabric_for_all_is_refused(folder: Path) -> None:
 
 @pytest.mark.parametrize("name", ["over-the-skirt", "tucked-in", "under-the-shirt"])
 def test_shipped_outfits_read(name: str) -> None:
-    read = read_worn(shipped_file("outfits", name))
+    read = read_worn(name)
     assert isinstance(read, tuple)
+    assert read == read_worn(shipped_file("outfits", name))
     assert isinstance(read[0], OutfitSpec)
+
+
+def test_a_misspelt_name_is_looked_for_among_garments_and_outfits() -> None:
+    with pytest.raises(GarmentError, match=r"no shipped garment or outfit is called 'tuckd-in'; did you mean 'tucked-in'\?.*straight-skirt"):
+        make_job("tuckd-in")
 
 
 def test_the_doctor_looks_at_every_garment(folder: Path) -> None:

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 from garmentcad import __version__
-from garmentcad.io.shipped import shipped_file
 from garmentcad.simulation.job import Job, make_job
 from garmentcad.simulation.run import run
 from garmentcad.simulation.study import StudyCase, run_study, write_study_table
@@ -28,7 +27,7 @@ COLUMNS = {
 
 
 def job_of(outfit: str, seed: int) -> Job:
-    return make_job(shipped_file("outfits", outfit), grid_mm=GRID_MM, seed=seed)
+    return make_job(outfit, grid_mm=GRID_MM, seed=seed)
 
 
 def cases() -> list[StudyCase]:
