@@ -53,12 +53,19 @@ def test_points_on_a_wider_ellipse_are_so_much_outside(farther: float) -> None:
     np.testing.assert_allclose(outside(cylinder, points), farther, atol=1e-10)
 
 
-def hung(job: Job, height_m: float, farther_m: float) -> dict[str, np.ndarray]:
-    """The band as a hoop around the torso."""
-    cylinder = job.mannequin.cylinders["torso"]
-    flat = ellipse(cylinder, farther_m)
-    hoop = cylinder.origin + height_m * cylinder.up + flat[:, :1] * cylinder.ref + flat[:, 1:] * np.cross(cylinder.up, cylinder.ref)
-    return {"band-front": hoop[:180], "band-back": hoop[180:]}
+WORN = ("band-front", "band-back")
+
+
+def hung(job: Job, cloth: Cloth, placed: np.ndarray, height_m: float, farther_m: float) -> np.ndarray:
+    """The vertices (V,3), with the band as a hoop around the torso."""
+    cylinder, moved = job.mannequin.cylinders["torso"], placed.copy()
+    mine = np.isin(np.array(cloth.panel_names)[cloth.vertex_panel], WORN)
+    ref, side = seen_along(cylinder, placed[mine]).T
+    turn = np.arctan2(side / cylinder.radius_side, ref / cylinder.radius_ref)[:, None]
+    flat = (cylinder.radius_ref + farther_m) * np.cos(turn) * cylinder.ref
+    flat = flat + (cylinder.radius_side + farther_m) * np.sin(turn) * np.cross(cylinder.up, cylinder.ref)
+    moved[mine] = cylinder.origin + height_m * cylinder.up + flat
+    return moved
 
 
 def test_the_outer_garment_begins_just_outside_what_hangs_at_its_height(outfit: tuple[Job, Cloth]) -> None:
@@ -66,7 +73,7 @@ def test_the_outer_garment_begins_just_outside_what_hangs_at_its_height(outfit: 
     placed = place_vertices(job.pattern, cloth, job.mannequin)
     names = np.array(cloth.panel_names)[cloth.vertex_panel]
     cylinder = job.mannequin.cylinders["torso"]
-    made = around_worn(job.pattern, cloth, placed, job.mannequin, hung(job, placed[names == "belt-back", 1].mean(), 0.06))
+    made = around_worn(job.pattern, cloth, hung(job, cloth, placed, placed[names == "belt-back", 1].mean(), 0.06), job.mannequin, WORN)
     moved = place_vertices(made, cloth, job.mannequin)
     section = seen_along(cylinder, moved[names == "belt-back"])
     clear = shapely.Polygon(ellipse(cylinder, 0.06 + CLEAR_M - 1e-4)), shapely.Polygon(ellipse(cylinder, 0.06 + CLEAR_M + 1e-3))
@@ -84,13 +91,24 @@ def test_it_begins_as_drafted_where_nothing_is_in_its_way(outfit: tuple[Job, Clo
     job, cloth = outfit
     placed = place_vertices(job.pattern, cloth, job.mannequin)
     height = placed[np.array(cloth.panel_names)[cloth.vertex_panel] == "belt-back", 1].min()
-    assert around_worn(job.pattern, cloth, placed, job.mannequin, hung(job, height - 0.1, 0.2)) == job.pattern
-    assert around_worn(job.pattern, cloth, placed, job.mannequin, hung(job, height + 0.03, -0.05)) == job.pattern
+    for down, out in ((0.02, 0.2), (-0.03, -0.05)):
+        assert around_worn(job.pattern, cloth, hung(job, cloth, placed, height - down, out), job.mannequin, WORN) == job.pattern
     # on another part of the body
     panels = dict(job.pattern.panels)
-    for name in ("band-front", "band-back"):
+    for name in WORN:
         rule = panels[name].placement
         assert isinstance(rule, Wrap)
         panels[name] = replace(panels[name], placement=replace(rule, part="neck"))
     elsewhere = replace(job.pattern, panels=panels)
-    assert around_worn(elsewhere, cloth, placed, job.mannequin, hung(job, height + 0.03, 0.2)) == elsewhere
+    assert around_worn(elsewhere, cloth, hung(job, cloth, placed, height + 0.03, 0.2), job.mannequin, WORN) == elsewhere
+
+
+def test_cloth_between_vertices_that_lie_above_and_below_counts(outfit: tuple[Job, Cloth]) -> None:
+    job, cloth = outfit
+    placed = place_vertices(job.pattern, cloth, job.mannequin)
+    names = np.array(cloth.panel_names)[cloth.vertex_panel]
+    belt, lowest = placed[names == "belt-back", 1], np.isin(names, WORN) & (placed[:, 1] < placed[np.isin(names, WORN), 1].min() + 0.01)
+    for below, changed in ((-0.1, True), (0.1, False)):
+        hoop = hung(job, cloth, placed, belt.mean() + 0.1, 0.06)
+        hoop[lowest, 1] = belt.mean() + below
+        assert (around_worn(job.pattern, cloth, hoop, job.mannequin, WORN) != job.pattern) == changed

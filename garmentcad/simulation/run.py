@@ -319,11 +319,10 @@ def make_dynamics(
 
 def _placed_state(job: Job, cloth: Cloth, start: Cloth, worn: dict[str, np.ndarray], warnings: list[str]) -> State:
     """The panels of `cloth` where they begin, for `start`, the same cloth with what is `worn` already (panel -> (V,3) m of its vertices) sewn."""
-    positions = place_vertices(job.pattern, cloth, job.mannequin)
+    positions = _with_worn(place_vertices(job.pattern, cloth, job.mannequin), cloth, worn)
     if worn:
-        positions = place_vertices(around_worn(job.pattern, cloth, positions, job.mannequin, worn), cloth, job.mannequin)
-    for panel, hung in worn.items():
-        positions[cloth.vertex_panel == cloth.panel_names.index(panel)] = hung
+        pattern = around_worn(job.pattern, cloth, positions, job.mannequin, worn)
+        positions = _with_worn(place_vertices(pattern, cloth, job.mannequin), cloth, worn)
     moves = clearing_moves(job.pattern, cloth, positions, job.mannequin, worn)
     warnings += [str(move) for move in moves]
     positions = move_panels(cloth, positions, moves)
@@ -332,6 +331,13 @@ def _placed_state(job: Job, cloth: Cloth, start: Cloth, worn: dict[str, np.ndarr
     refuse_tangled(start, placed, job.mannequin)
     positions = placed + JITTER_M * np.random.default_rng(job.seed).standard_normal(placed.shape)
     return State(positions, np.zeros_like(positions), phase="close", fold_angles=np.zeros(len(cloth.fold_names)))
+
+
+def _with_worn(positions: np.ndarray, cloth: Cloth, worn: dict[str, np.ndarray]) -> np.ndarray:
+    """Positions (V,3), in place, with what is worn where it hangs."""
+    for panel, hung in worn.items():
+        positions[cloth.vertex_panel == cloth.panel_names.index(panel)] = hung
+    return positions
 
 
 class _Keeper:
