@@ -18,8 +18,9 @@ from typing import Any
 from garmentcad import __version__
 from garmentcad.export.drape import finish
 from garmentcad.io.atomic import write_atomic
-from garmentcad.io.shipped import shipped_names
-from garmentcad.simulation.job import make_job
+from garmentcad.io.shipped import shipped_file, shipped_names
+from garmentcad.io.spec_file import read_spec
+from garmentcad.simulation.job import Job, make_job
 from garmentcad.simulation.study import Row, StudyCase, StudyRun, run_study, study_table
 from tools.judges import crosses, least_distance_mm
 
@@ -40,6 +41,8 @@ FABRICS = {
     "trousers": ("wool-suiting", "polycotton-trousering", "denim"),
     "wrap-skirt": ("wool-suiting", "cotton-shirting", "viscose-lining"),
 }
+# A woven stretch cloth gives half as much as a knit: as its draft stands the doctor says that the top does not pass the head. A roomier top of it does.
+VALUES = {("knit-top", "stretch-twill"): {"reduction": 0.02, "arm_ease": 20.0, "neck_ease": 150.0, "band_reduction": 0.05}}
 BODIES = {"t-shirt": WOMEN + MEN, "trousers": WOMEN + MEN, "mens-shirt": MEN, "knit-top": WOMEN + MEN}
 KEPT = ("status", "particles", "steps", "simulated_time_s", "seam_gap_mm", "mannequin_penetration_mm", "self_intersections", "mannequin_intersections",
         "constraints", "pattern_ease_mm", "ease_mm", "hem_height_mm", "waist_drop_mm", "armhole_to_shoulder_mm", "state_sha256", "warnings")  # fmt: skip
@@ -51,6 +54,12 @@ COLUMNS = {
 }  # fmt: skip
 
 
+def job_of(garment: str, fabric: str, body: str) -> Job:
+    spec = read_spec(shipped_file("patterns", garment))
+    own = {name: spec.parameters[name].model_copy(update={"value": value}) for name, value in VALUES.get((garment, fabric), {}).items()}
+    return make_job(spec.model_copy(update={"parameters": spec.parameters | own}), fabric, body, grid_mm=GRID_MM)
+
+
 def cases() -> list[StudyCase]:
     """All cases of garments that are there."""
     found = []
@@ -58,14 +67,14 @@ def cases() -> list[StudyCase]:
         for garment in shipped_names("patterns"):
             for body in BODIES.get(garment, WOMEN):
                 fabric = FABRICS[garment][choice]
-                job = make_job(garment, fabric, body, grid_mm=GRID_MM)
+                job = job_of(garment, fabric, body)
                 found.append(StudyCase(f"{garment} {fabric} {body}", job.spec_sha256, fabric, body, __version__, {"garment": garment, "grid_mm": GRID_MM}))
     return found
 
 
 def run_case(case: StudyCase) -> Mapping[str, Any]:
     """One drape."""
-    job = make_job(case.parameters["garment"], case.fabric, case.mannequin, grid_mm=GRID_MM)
+    job = job_of(case.parameters["garment"], case.fabric, case.mannequin)
     result, _ = finish(job, lambda progress: None, ROOT / "out" / "wardrobe" / case.name.replace(" ", "-"))
     shape = result.state.positions, result.cloth.particle_triangles, job.mannequin.vertices, job.mannequin.faces
     return {name: result.report[name] for name in KEPT} | {"crosses": crosses(*shape), "least_distance_mm": least_distance_mm(*shape)}
