@@ -41,8 +41,9 @@ FABRICS = {
     "trousers": ("wool-suiting", "polycotton-trousering", "denim"),
     "wrap-skirt": ("wool-suiting", "cotton-shirting", "viscose-lining"),
 }
-# A woven stretch cloth gives half as much as a knit: as its draft stands the doctor says that the top does not pass the head. A roomier top of it does.
-VALUES = {("knit-top", "stretch-twill"): {"reduction": 0.02, "arm_ease": 20.0, "neck_ease": 150.0, "band_reduction": 0.05}}
+# A woven stretch cloth gives half as much as a knit: as drafted the doctor says that the top does not pass the head, and
+# on two men it did not close or not come to rest. A roomier top of it does.
+VALUES = {("knit-top", "stretch-twill"): {"reduction": 0.02, "arm_ease": 30.0, "armhole_drop": 25.0, "neck_ease": 150.0, "band_reduction": 0.05}}
 BODIES = {"t-shirt": WOMEN + MEN, "trousers": WOMEN + MEN, "mens-shirt": MEN, "knit-top": WOMEN + MEN}
 KEPT = ("status", "particles", "steps", "simulated_time_s", "seam_gap_mm", "mannequin_penetration_mm", "self_intersections", "mannequin_intersections",
         "constraints", "pattern_ease_mm", "ease_mm", "hem_height_mm", "waist_drop_mm", "armhole_to_shoulder_mm", "state_sha256", "warnings")  # fmt: skip
@@ -114,8 +115,9 @@ def main() -> None:
     title = f"The wardrobe at {GRID_MM:g} mm: {len(rows)} of {len(whole)} cases run, {clean} of them at rest without an intersection or a penetration"
     command = "python -m tools.wardrobe_study"
     spreads = {"garment, fabric": "case", "bodies": "bodies", **{f"{girth} mm": f"{girth}:.1f" for girth in GIRTHS}}
+    own = [f"{garment} in {fabric}: {', '.join(f'{name} {value:g}' for name, value in values.items())}" for (garment, fabric), values in VALUES.items()]
     said = "Largest minus smallest draped ease of one draft over all sizes."
-    page = [f"# {title}", "", study_table(rows, COLUMNS, command), "## Ease between sizes", "", said, ""]
+    page = [f"# {title}", "", study_table(rows, COLUMNS, command), f"As drafted, but for {'; '.join(own)}.", "", "## Ease between sizes", "", said, ""]
     write_atomic(FOLDER / "wardrobe.md", "\n".join([*page, study_table(between_sizes(rows), spreads, command)]))
     for name, message in study.failed.items():
         print(f"refused: {name}: {message}", file=sys.stderr)
