@@ -7,6 +7,14 @@ from collections.abc import Iterator
 import numba
 import pytest
 
+# Two workers take files in this order: the longest first, so that neither is left with one at the end; and of the first two only one compiles the kernels
+# of a drape, which the other finds on disk afterwards.
+FIRST = ("test_run.py", "test_fuzz.py", "test_howto.py", "test_cli.py", "test_shipped_patterns.py", "test_importing.py", "test_contact_stress.py")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    items.sort(key=lambda item: FIRST.index(item.path.name) if item.path.name in FIRST else len(FIRST))
+
 
 @pytest.fixture(autouse=True)
 def _one_thread() -> Iterator[None]:

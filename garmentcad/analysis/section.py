@@ -85,30 +85,32 @@ def cut(positions: np.ndarray, triangles: np.ndarray, plane: Plane) -> list[Chai
     """
     height = positions @ plane.normal - plane.offset
     above = height[triangles] >= 0.0
-    crossed = np.flatnonzero(above.any(axis=1) & ~above.all(axis=1))
-    ends = np.array([_crossed_edges(row) for row in above[crossed]], dtype=np.int64).reshape(-1, 2, 2)
+    between = above != np.roll(above, -1, axis=1)  # by edge: corner and the next one lie on different sides
+    crossed = np.flatnonzero(between.any(axis=1))
+    first_corners = np.nonzero(between[crossed])[1].reshape(-1, 2)
+    ends = np.stack([first_corners, (first_corners + 1) % 3], axis=2)
     corners = triangles[crossed[:, None, None], ends]  # (S, 2 ends, 2 particles)
-    keys = np.sort(corners, axis=2)
-    edge_segments: dict[tuple[int, int], list[int]] = {}
-    edge_keys = [[(int(low), int(high)) for low, high in pair] for pair in keys]
-    for segment, pair in enumerate(edge_keys):
-        for key in pair:
-            edge_segments.setdefault(key, []).append(segment)
     fraction = height[corners[..., 0]] / (height[corners[..., 0]] - height[corners[..., 1]])
     points = positions[corners[..., 0]] + fraction[..., None] * (positions[corners[..., 1]] - positions[corners[..., 0]])
-
-    used = np.zeros(len(crossed), dtype=bool)
+    # Segments by mesh edge, each edge's in order: those of edge e are beside[starts[e] : starts[e + 1]].
+    keys = corners.min(axis=2).astype(np.int64) * len(positions) + corners.max(axis=2)
+    edge_of = np.unique(keys, return_inverse=True)[1].reshape(-1, 2)
+    beside = (np.argsort(edge_of, axis=None, kind="stable") // 2).tolist()
+    starts = np.concatenate([[0], np.cumsum(np.bincount(edge_of.ravel()))]).tolist()
+    edges = edge_of.tolist()
+    used = [False] * len(crossed)
 
     def walk(segment: int, side: int) -> list[tuple[int, int]]:
         """Segments from `segment` on, leaving it through its end `side`: (segment, side through which it is left)."""
         path = [(segment, side)]
         while True:
-            key = edge_keys[path[-1][0]][path[-1][1]]
-            following = next((other for other in edge_segments[key] if not used[other]), None)
+            edge = edges[segment][side]
+            following = next((other for other in beside[starts[edge] : starts[edge + 1]] if not used[other]), None)
             if following is None:
                 return path
             used[following] = True
-            path.append((following, 1 - edge_keys[following].index(key)))
+            segment, side = following, 1 - edges[following].index(edge)
+            path.append((segment, side))
 
     chains = []
     for first in range(len(crossed)):
@@ -117,7 +119,7 @@ def cut(positions: np.ndarray, triangles: np.ndarray, plane: Plane) -> list[Chai
         used[first] = True
         path = walk(first, 1)
         last, left = path[-1]
-        closed = len(path) > 2 and edge_keys[last][left] == edge_keys[first][0]
+        closed = len(path) > 2 and edges[last][left] == edges[first][0]
         if not closed:
             path = [(segment, 1 - side) for segment, side in reversed(walk(first, 0)[1:])] + path
         segments = np.array([segment for segment, _ in path])
@@ -138,8 +140,3 @@ def cut(positions: np.ndarray, triangles: np.ndarray, plane: Plane) -> list[Chai
             )
         )
     return chains
-
-
-def _crossed_edges(above: np.ndarray) -> list[tuple[int, int]]:
-    """The two edges (corner, corner) of a triangle whose ends lie on different sides."""
-    return [(corner, (corner + 1) % 3) for corner in range(3) if above[corner] != above[(corner + 1) % 3]]

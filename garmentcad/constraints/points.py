@@ -258,7 +258,7 @@ class ConstraintPoints:
         """The constraints as `apply_bonds` needs them; wanted, forces (R,3): the demanded C' and the multipliers, which it changes in place."""
         return Bonds(
             _rows(self._jacobian), _rows(self._solved), _rows(self._spread), floats(self.targets), wanted, forces, floats(self._shanks),
-            floats(np.broadcast_to(self.least_speed, len(wanted))),
-            floats(np.broadcast_to(self.least_share, len(wanted))),
+            np.full(len(wanted), self.least_speed, dtype=np.float64),
+            np.full(len(wanted), self.least_share, dtype=np.float64),
             floats([self.rate, self.cap, float(self.loaded)]),
         )  # fmt: skip

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from garmentcad.arrays import CHUNKS, floats, indices, kernel, long_kernel
+from garmentcad.arrays import CHUNKS, floats, frozen, indices, kernel, long_kernel
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.state import State
 from garmentcad.contact.body import ELEMENT_GAP, LARGEST_GAP, BodyElements
@@ -132,7 +132,7 @@ class Contact:
         self._body, self._itself = None if body is None else BodyElements(*body, cloth.spacing, _longest_side(cloth)), itself
         self._spacing = cloth.spacing
         if self._body is None:
-            self._surface = Surface(np.zeros((0, 3)), np.zeros((0, 3), np.int32), np.zeros((0, 7, 3)))
+            self._surface = Surface(np.zeros((0, 3)), frozen(np.zeros((0, 3), np.int32)), np.zeros((0, 7, 3)))
             self._tree, rise = Tree(np.zeros(0, np.int32), np.zeros((2, 6))), np.zeros(0)
         else:
             self._surface, self._tree, rise = self._body.surface, self._body.face_tree, self._body.rise

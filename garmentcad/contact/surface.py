@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from garmentcad.arrays import floats, indices, unique_pairs
+from garmentcad.arrays import floats, frozen, indices, unique_pairs
 from garmentcad.geometry.closest import EDGE, FACE
 
 _SMOOTHINGS = 3  # of the vertex curvature over the neighbours
@@ -22,7 +22,7 @@ class Surface(NamedTuple):
 
 def build_surface(vertices: np.ndarray, faces: np.ndarray) -> Surface:
     """Surface with angle-weighted pseudo-normals (Baerentzen and Aanaes 2005): their sign is right at corners and edges as well."""
-    vertices, faces = floats(vertices), indices(faces)
+    vertices, faces = floats(vertices), frozen(indices(faces).copy())  # always so: kernels are compiled anew for arrays that may be written
     return Surface(vertices, faces, pseudo_normals(vertices, faces, edge_of_side(faces)))
 
 

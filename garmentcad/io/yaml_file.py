@@ -23,6 +23,9 @@ MAX_NODES = 50_000
 _INTEGER = re.compile(r"[-+]?[0-9]+")
 _FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
 _NOT_FINITE = re.compile(r"[-+]?\.(inf|Inf|INF|nan|NaN|NAN)")
+_NOT_ALLOWED = yaml.reader.Reader.NON_PRINTABLE
+# The parser of libyaml is six times as fast; a build of PyYAML may lack it.
+_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _WORDS = {"true": True, "True": True, "TRUE": True, "false": False, "False": False, "FALSE": False} | dict.fromkeys(("null", "Null", "NULL", "~", ""))
 
 
@@ -58,17 +61,17 @@ def read_yaml(path: str | Path) -> Any:
 def parse_yaml(text: str, file: str) -> Any:
     """As `read_yaml`, from text; `file` names the source in messages."""
     builder = _Builder(file)
+    if strange := _NOT_ALLOWED.search(text):  # here, because the two parsers count it in characters and in bytes
+        line = text.count("\n", 0, strange.start()) + 1
+        raise FileError(f"line {line}: character {strange.group()!r} is not allowed; YAML files are UTF-8 text", file=file)
     try:
         # Events, not nodes: the event parser keeps its own stack, so that depth is seen before any recursion; the composer would recurse.
-        for event in yaml.parse(text, Loader=yaml.SafeLoader):
+        for event in yaml.parse(text, Loader=_LOADER):
             builder.take(event)
     except yaml.MarkedYAMLError as fault:
         mark = fault.problem_mark or fault.context_mark
         what = " ".join(part for part in (fault.context, fault.problem) if part)
         raise FileError(f"line {mark.line + 1 if mark else '?'}: not valid YAML: {what}", file=file) from None
-    except yaml.reader.ReaderError as fault:
-        line = text.count("\n", 0, fault.position) + 1
-        raise FileError(f"line {line}: character {chr(fault.character)!r} is not allowed; YAML files are UTF-8 text", file=file) from None
     if builder.documents == 0:
         raise FileError("the file is empty; a YAML document is wanted", file=file)
     return builder.root
@@ -135,7 +138,7 @@ class _Builder:
             level.key = None
 
     def scalar(self, event: Any) -> Any:
-        if event.style is not None:  # quoted or block text
+        if event.style:  # quoted or block text
             return event.value
         try:
             return plain_scalar(event.value)
