@@ -20,9 +20,9 @@ from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.assembly import ForceAssembly, Sums
 from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
-from garmentcad.solve.dynamics import RUNAWAY_M_S, DivergedError, Dynamics
+from garmentcad.solve.dynamics import RUNAWAY_M_S, DivergedError, Dynamics, IntersectingError
 from garmentcad.solve.rest import RESIDUAL_G, patches, residual
-from garmentcad.solve.steps import advance_velocities
+from garmentcad.solve.steps import CUT, DONE, MOST_CUTS, advance_velocities
 from garmentcad.solve.strain_limit import RETURN_M_S, least_headroom, panels_at_limit, pull_back, strain_limit
 from garmentcad.units import GRAVITY_M_S2
 
@@ -57,6 +57,28 @@ def test_free_fall_is_exact_and_untouched_by_internal_damping() -> None:
     # velocity first, then position: the sum over steps is g t (t + dt)/2
     assert np.allclose(start - state.positions[:, 1], 0.5 * GRAVITY_M_S2 * state.time_s * (state.time_s + state.time_step_s), rtol=1e-9)
     assert np.abs(state.positions - state.positions[0] - shape).max() < 1e-12
+
+
+@pytest.mark.parametrize("between", [0, 1, 3])
+def test_only_cuts_in_a_row_end_a_run(monkeypatch: pytest.MonkeyPatch, between: int) -> None:
+    """Every step is cut, or every second, or every fourth."""
+    cloth = rectangle_cloth(60.0, 40.0, 10.0, 20.0, linear_fabric())
+    state = State(hanging(cloth), np.zeros((cloth.particle_count, 3)))
+    dynamics = dynamics_of(cloth, None, 0.0, linear_fabric())
+    dynamics.start(state)
+
+    def steps(order, controls, laws, sums, bonds, limit, contact, clock):  # type: ignore[no-untyped-def]
+        clock[:] = min(order[0], between + 1), 0.0, 0.0, -1.0, 0.5
+        return CUT if order[0] > between else DONE
+
+    monkeypatch.setattr("garmentcad.solve.dynamics.run_steps", steps)
+    if between:
+        dynamics.advance(state, 3 * MOST_CUTS * (between + 1))
+        assert dynamics.cut_steps > MOST_CUTS
+    else:
+        with pytest.raises(IntersectingError, match="20 steps in a row"):
+            dynamics.advance(state, 3 * MOST_CUTS)
+        assert dynamics.cut_steps == MOST_CUTS
 
 
 @pytest.mark.parametrize("equalise", [False, True])
@@ -120,7 +142,7 @@ def test_a_link_that_is_too_long_comes_back_no_faster_than_it_may() -> None:
     velocities, limit, dt = np.zeros_like(positions), strain_limit(cloth, materials), 1e-4
     overshoot = -least_headroom(positions, limit)[0]
     assert overshoot == pytest.approx(0.009)
-    assert pull_back(positions, limit, 1.0 / cloth.masses, dt, velocities) == 0
+    pull_back(positions, limit, 1.0 / cloth.masses, dt, velocities)
     ends = cloth.links.ends
     along = np.einsum("lc,lc->l", velocities[ends[:, 1]] - velocities[ends[:, 0]], positions[ends[:, 1]] - positions[ends[:, 0]])
     closing = -(along / np.linalg.norm(positions[ends[:, 1]] - positions[ends[:, 0]], axis=1)).min()

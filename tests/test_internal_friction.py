@@ -14,6 +14,8 @@ from garmentcad.fabric.law_tension import loading
 from garmentcad.fabric.material import material_row
 from garmentcad.fabric.missing import complete
 from garmentcad.fabric.sheet import sheet_from
+from garmentcad.forces.stretch import tension_coefficients, tension_force
+from garmentcad.forces.tension_curves import TensionCurves
 
 SHEET = {"schema": 1, "name": "x", "source": "test", "W": 20.0, "LT": 0.6, "EMT": 6.0, "RT": {"warp": 62.0, "weft": 55.0}, "G": 0.6, "2HG": 0.9, "2HG5": 1.8,
          "B": {"warp": 0.12, "weft": 0.08}, "2HB": {"warp": 0.06, "weft": 0.03}}  # fmt: skip
@@ -144,6 +146,31 @@ def test_work_is_what_is_stored_and_lost(law) -> None:
         work += 0.5 * (before + law(ahead, slider)[0]) * (ahead - strain)
     assert gone > 0.1 * abs(work)
     assert work == pytest.approx(ENERGIES[law](strains[-1], slider) + gone, rel=2e-3)
+
+
+@pytest.mark.parametrize("linearity", [0.45, 0.8, 1.0, 1.1, 1.4])
+def test_links_pull_as_the_law_says_and_lose_the_work_of_their_loop(linearity: float) -> None:
+    """The branchless copy of the law in the links, for curves that stiffen and that soften: its stress and slider are those of the law, and what it counts as
+    lost is the work of a closed turn."""
+    row = material_row(complete(sheet_from({**SHEET, "LT": linearity})).sheet)
+    curve = [float(column[0]) for column in (row.tension_friction, row.tension_strain, row.tension_force, row.tension_exponent, row.tension_slope)]
+    coefficients = tension_coefficients(TensionCurves(*(np.array([value]) for value in curve)), np.array([0]))[:, 0]
+    em = curve[1]
+    turn = np.concatenate([np.linspace(0.0, 1.2 * em, 6000), np.linspace(1.2 * em, 0.0, 6000)])
+    slider = theirs = -law_tension.WAY * em
+    _, _, slider = law_tension.tension(0.0, slider, *curve)
+    stresses, lost = [], 0.0
+    for strain in turn:
+        stress, after, gone = tension_force(strain, 0.0, slider, *coefficients)
+        expected, _, theirs = law_tension.tension(strain, theirs, *curve)
+        assert (stress, after) == (pytest.approx(expected, rel=1e-9, abs=1e-9 * curve[2]), pytest.approx(theirs, abs=1e-15))
+        slider = after
+        stresses.append(stress)
+        lost += gone
+    work = np.trapezoid(stresses, turn)
+    assert work > 0.1 * np.trapezoid(stresses[:6000], turn[:6000])
+    kept = law_tension.tension_energy(0.0, slider, *curve)  # what the stick spring still holds
+    assert lost == pytest.approx(work - kept, rel=0.03)  # H by the tangent in the middle of the stick spring: 2 % off where LT is 0.45
 
 
 def test_moving_a_slider_twice_is_moving_it_once() -> None:

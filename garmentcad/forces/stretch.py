@@ -43,9 +43,9 @@ def tension_force(strain, damped_rate, slider, rate, amplitude, em, stick):  # t
     after = dragged(slider, strain, way)
     held = strain - after
     share = 1.0 + (stick * (held - way) if strain > 0.0 else 0.0)
-    # H at the middle of the stick spring, by the tangent
-    gone = stick * way * max(curve - 0.5 * slope * held, 0.0) * abs(after - slider)
-    return amplitude * (curve * share + rate * damped_rate), after, amplitude * gone
+    # H at the middle of the stick spring, by the tangent; amplitude and curve are both negative where LT > 1
+    gone = stick * way * max(amplitude * (curve - 0.5 * slope * held), 0.0) * abs(after - slider)
+    return amplitude * (curve * share + rate * damped_rate), after, gone
 
 
 @kernel

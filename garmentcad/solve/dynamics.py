@@ -83,7 +83,7 @@ class Dynamics:
         self.seconds = {"steps": 0.0, "detection": 0.0, "stiffness": 0.0}
         self.mean_square_speed = 0.0
         self._stiffness = np.zeros(cloth.particle_count)
-        self._clock = np.zeros(6)
+        self._clock = np.zeros(5)
         self._masses = floats(cloth.masses)
         self.cut_steps = 0
         self._cuts = 0
@@ -229,7 +229,7 @@ class Dynamics:
             done = int(self._clock[0])
             state.positions[:], state.velocities[:] = contact.positions[:count], contact.velocities[:count]
             state.step += done
-            state.time_s += (done - (1.0 - self._clock[5])) * dt
+            state.time_s += (done - (1.0 - self._clock[4])) * dt
             state.work_j["friction"] += float(self._clock[1])
             state.work_j["internal_friction"] -= float(lost.sum())
             lost[:] = 0.0
@@ -240,7 +240,7 @@ class Dynamics:
             if code == RUNAWAY:
                 self._check(state)
             if code == TORN:
-                ends = self.cloth.links.ends[int(self._clock[4])]
+                ends = self.cloth.links.ends[int(self._clock[3])]
                 raise DivergedError(self.cloth, ends, f"came apart: a link is over {TORN_LENGTH:g} times as long as its strain limit allows", state)
             resumed = code == LOOK
             if code == LOOK:
@@ -250,10 +250,10 @@ class Dynamics:
                 return
             if code == CUT:
                 self.cut_steps += 1
-                self._cuts += 1
+                self._cuts = 1 if done > 1 else self._cuts + 1
                 if self._cuts == MOST_CUTS:
-                    raise IntersectingError(self.cloth, self._stuck(state, int(self._clock[4])), state)
-            elif done > 1:
+                    raise IntersectingError(self.cloth, self._stuck(state, int(self._clock[3])), state)
+            elif done > 0:
                 self._cuts = 0
 
     def _stuck(self, state: State, pair: int) -> np.ndarray:

@@ -3,7 +3,7 @@
     v <- v + dt (F/M + (m/M) g - c v)     constraints     strain limiting     contact (last word)     x <- x + dt v
 
 m true mass, M mass that resists: it exceeds m only where drape mode slows a fast element down (weight is that of the true mass, drag that of M).
-Source: Provot 1995 (velocity before position); DESIGN section 3 for the order of corrections between the two halves.
+Source: Provot 1995, velocity before position, every correction of the velocity between the two.
 """
 
 from __future__ import annotations
@@ -115,8 +115,8 @@ def run_steps(order, controls, laws, sums, bonds, limit, contact, clock):  # typ
     """Up to a number of steps. order: steps, whether the first begins at its contact part, whether it stops short of moving positions.
 
     bonds: constraint rows with their demanded speeds (see constraints/points.py); contact: arguments of the response, motion of all nodes, home and cover of
-    the candidates, leg of the body and seconds since its beginning. clock (6,): out: steps done, friction work J, largest mean square speed, links left too
-    long, pair that cut the last step (-1: only speeds that the response raised) or link that is too long, safe part of the step.
+    the candidates, leg of the body and seconds since its beginning. clock (5,): out: steps done, friction work J, largest mean square speed, pair that cut
+    the last step (-1: only speeds that the response raised) or link that is too long, safe part of the step.
 
     Returns why it ended.
     """
@@ -129,7 +129,7 @@ def run_steps(order, controls, laws, sums, bonds, limit, contact, clock):  # typ
     motion = (positions, velocities, inverse_masses, dt)
     way, headroom = farthest(positions, home), 0.0
     clock[:] = 0.0
-    clock[4], clock[5] = -1.0, 1.0
+    clock[3], clock[4] = -1.0, 1.0
     for step in range(steps):
         if moves:
             go_with_body(rules, leg, since, motion)
@@ -146,10 +146,10 @@ def run_steps(order, controls, laws, sums, bonds, limit, contact, clock):  # typ
                 # No link gains more than twice the way of the fastest particle; until that reaches the headroom none can be too long.
                 headroom, nearest = least_headroom(positions, limit)
                 if -headroom > (TORN_LENGTH - 1.0) * limit.longest[nearest]:
-                    clock[4] = nearest
+                    clock[3] = nearest
                     return TORN
                 if headroom < 2.0 * fastest * dt:
-                    clock[3] = pull_back(positions, limit, inverse_masses, dt, velocities)
+                    pull_back(positions, limit, inverse_masses, dt, velocities)
                     fastest = fastest_of(velocities)
         else:
             fastest = fastest_of(velocities)
@@ -170,6 +170,6 @@ def run_steps(order, controls, laws, sums, bonds, limit, contact, clock):  # typ
         clock[0] += 1.0
         clock[2] = max(clock[2], mean_square(velocities, sums.masses))
         if part < 1.0:
-            clock[4], clock[5] = worst, part
+            clock[3], clock[4] = worst, part
             return CUT
     return DONE

@@ -65,11 +65,10 @@ def least_headroom(positions, limit):  # type: ignore[no-untyped-def]
 
 @kernel
 def pull_back(positions, limit, inverse_masses, time_step, velocities):  # type: ignore[no-untyped-def]
-    """Gauss-Seidel sweeps over all links in their order, velocities in place; returns how many are still too long at the end of the step."""
+    """Gauss-Seidel sweeps over all links in their order, velocities in place, until none is too long at the end of the step that could come back faster, or SWEEPS are done."""
     ends, longest = limit.ends, limit.longest
-    left = 0
     for _ in range(SWEEPS):
-        left = 0
+        all_right = True
         for link in range(len(ends)):
             a, b = ends[link, 0], ends[link, 1]
             x = positions[b, 0] - positions[a, 0] + time_step * (velocities[b, 0] - velocities[a, 0])
@@ -83,11 +82,10 @@ def pull_back(positions, limit, inverse_masses, time_step, velocities):  # type:
                 goal = max(longest[link], math.sqrt(u * u + v * v + w * w) - RETURN_M_S * time_step)
                 if length <= goal:
                     continue
-                left += 1
+                all_right = False
                 pull = (length - goal) / (length * mobility * time_step)
                 at, bt = inverse_masses[a] * pull, inverse_masses[b] * pull
                 velocities[a, 0], velocities[a, 1], velocities[a, 2] = velocities[a, 0] + at * x, velocities[a, 1] + at * y, velocities[a, 2] + at * z
                 velocities[b, 0], velocities[b, 1], velocities[b, 2] = velocities[b, 0] - bt * x, velocities[b, 1] - bt * y, velocities[b, 2] - bt * z
-        if left == 0:
-            break
-    return left
+        if all_right:
+            return
