@@ -63,8 +63,8 @@ def test_start_inside_the_body_or_through_another_panel_is_refused() -> None:
 def test_a_seam_that_did_not_close_is_said_and_survives_a_checkpoint() -> None:
     welding = Welding({"side": 0.4, "cap": 8.125, "waist": 1.2}, 0.02, ("side", "waist"))
     assert welding.open_seams == [
-        "seam 'cap' did not close: it was welded across 8.1 mm (at most 1 mm is a closed seam)",
-        "seam 'waist' did not close: it was welded across 1.2 mm (at most 1 mm is a closed seam)",
+        "seam 'cap' did not close: it stood 8.1 mm open (at most 1 mm is a closed seam)",
+        "seam 'waist' did not close: it stood 1.2 mm open (at most 1 mm is a closed seam)",
     ]
     assert welding.conflicting == ["waist"]
     assert Welding.of_run({"phase_from_s": 1.0} | welding.as_run()) == welding

@@ -124,9 +124,10 @@ def run(job: Job, look: Callable[[Progress], None], checkpoint: Path | None = No
             return made.drape((job.grid_mm,) if state is not None and UNREFINED in state.run else grids_of(job))
         except RefinementError as error:
             # Rare: folds lie so close that finer triangles cross. The full lattice from the start costs more, and crosses nothing.
-            made = _Run(job, keep, None)
-            made.warnings.append(str(error))
-            return made.drape((job.grid_mm,))
+            anew = _Run(job, keep, None)
+            anew.began, anew.setup, anew.seconds = made.began, made.setup, made.seconds
+            anew.warnings.append(str(error))
+            return anew.drape((job.grid_mm,))
 
 
 class RefinementError(GarmentError):
@@ -143,7 +144,7 @@ class _Run:
         self.materials, self._material_of = lay_out(job)
         self.seconds: dict[str, float] = {}
         self.warnings: list[str] = []
-        self._setup = 0.0
+        self.setup = 0.0
 
     def drape(self, grids: tuple[float, ...]) -> Outcome:
         """Sew on the first grid, then settle on each; the outcome is that of the last one."""
@@ -179,21 +180,23 @@ class _Run:
                 status = course.run(self.state, self.keep)
             except (DivergedError, IntersectingError) as error:
                 self.warnings.append(f"on the lattice of {grids[level]:g} mm: {error}")
-                return self._outcome(flat, cloth, dynamics, error.status)
+                status, last = error.status, True
             if last:
+                # What ended while tension was soft is judged as the cloth that it is.
+                dynamics.forces, dynamics.softness = forces_at(1.0), 1.0
                 return self._outcome(flat, cloth, dynamics, status)
-            self._add_up(dynamics)
+            self._add_up(dynamics.seconds)
             before, level = (cloth, dynamics.forces), level + 1
 
     def _hardware(self, cloth: Cloth) -> PointRows:
         return hardware_rows(self.job.pattern, cloth, self.materials, self.job.mannequin)
 
     def _begin(self, dynamics: Dynamics) -> None:
-        self._setup = self._setup or time.perf_counter() - self.began
+        self.setup = self.setup or time.perf_counter() - self.began
         self.keep.state = self.state
 
-    def _add_up(self, dynamics: Dynamics) -> None:
-        self.seconds = {kind: self.seconds.get(kind, 0.0) + spent for kind, spent in dynamics.seconds.items()}
+    def _add_up(self, seconds: dict[str, float]) -> None:
+        self.seconds = {kind: self.seconds.get(kind, 0.0) + spent for kind, spent in seconds.items()}
 
     def _sew(self, flat: Cloth, start: Cloth, welded: Cloth, particle_map: np.ndarray) -> Outcome | None:
         """Close and weld the seams that are open at the start; an outcome only where that failed."""
@@ -206,11 +209,14 @@ class _Run:
         self._begin(dynamics)
         try:
             pull = CLOSING_OVER_N_M if len(self.job.worn) > 1 else CLOSING_PULL_N_M
-            welding = close_seams(dynamics, self.state, self._hardware(start), self.keep, pull)
+            welding = close_seams(dynamics, self.state, self._hardware(start), self.keep, pull, self.job.max_time_s)
         except (DivergedError, IntersectingError) as error:
             self.warnings.append(str(error))
             return self._outcome(flat, start, dynamics, error.status)
-        self._add_up(dynamics)
+        if welding.open_seams and self.state.time_s >= self.job.max_time_s:
+            self.state.run |= welding.as_run()
+            return self._outcome(flat, start, dynamics, "max_time")
+        self._add_up(dynamics.seconds)
         self.state = weld_state(start, welded, particle_map, self.state)
         self.state.phase = "press" if flat.fold_names else "fall"
         self.state.run |= {"phase_from_s": self.state.time_s} | welding.as_run()
@@ -225,7 +231,7 @@ class _Run:
         self.warnings += outcome.warnings
         if outcome.status != "converged":
             self.warnings.append(f"what is worn below ended as {outcome.status} before the outermost garment was put on")
-        self._add_up(outcome.dynamics)
+        self._add_up(outcome.seconds)
         hung = outcome.state.positions[outcome.cloth.vertex_particle]
         return {name: hung[outcome.cloth.vertex_panel == number] for number, name in enumerate(outcome.cloth.panel_names)}
 
@@ -249,7 +255,7 @@ class _Run:
         except (DivergedError, IntersectingError) as error:
             self.warnings.append(f"while it was pressed: {error}")
             return self._outcome(flat, cloth, dynamics, error.status)
-        self._add_up(dynamics)
+        self._add_up(dynamics.seconds)
         # Contact starts anew: what it remembers belongs to other masses and another stiffness.
         self.state.contact, self.state.phase = {}, "fall"
         self.state.run |= {"phase_from_s": self.state.time_s}
@@ -257,7 +263,7 @@ class _Run:
 
     def _outcome(self, flat: Cloth, cloth: Cloth, dynamics: Dynamics, status: str) -> Outcome:
         assert self.state is not None
-        self._add_up(dynamics)
+        self._add_up(dynamics.seconds)
         welding = Welding.of_run(self.state.run)
         if welding.open_seams:
             self.warnings += welding.open_seams
@@ -268,7 +274,7 @@ class _Run:
         factor = self.state.run.get("step_factor", 1.0)
         if factor < 1.0:
             self.warnings.append(f"motion ran away at the time step that the stiffness allows; the run went back and on with {factor:g} of it")
-        wall = {"setup": self._setup, "drape": time.perf_counter() - self.began - self._setup}
+        wall = {"setup": self.setup, "drape": time.perf_counter() - self.began - self.setup}
         return Outcome(self.job, flat, cloth, self.materials, dynamics, self.state, status, welding, wall, self.seconds, self.warnings)
 
 

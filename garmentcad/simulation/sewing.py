@@ -3,6 +3,7 @@ ones of their panels, or later where they say so, and stay, buttons on their sha
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
@@ -51,7 +52,7 @@ class Welding:
     def open_seams(self) -> list[str]:
         """A sentence for each seam that did not close."""
         bar = f"at most {WIDEST_WELD_MM:g} mm is a closed seam"
-        return [f"seam '{name}' did not close: it was welded across {gap:.1f} mm ({bar})" for name, gap in self.gap_mm.items() if gap > WIDEST_WELD_MM]
+        return [f"seam '{name}' did not close: it stood {gap:.1f} mm open ({bar})" for name, gap in self.gap_mm.items() if gap > WIDEST_WELD_MM]
 
     @property
     def conflicting(self) -> list[str]:
@@ -70,10 +71,18 @@ class Welding:
         return cls(gaps, run.get(_SPEED), tuple(key.removeprefix(_REDUNDANT) for key in run if key.startswith(_REDUNDANT)))
 
 
-def close_seams(dynamics: Dynamics, state: State, hardware: PointRows, look: Callable[[Progress], None], pull_n_m: float = CLOSING_PULL_N_M) -> Welding:
+def close_seams(
+    dynamics: Dynamics,
+    state: State,
+    hardware: PointRows,
+    look: Callable[[Progress], None],
+    pull_n_m: float = CLOSING_PULL_N_M,
+    until_s: float = math.inf,
+) -> Welding:
     """Pull the stitches of `dynamics.cloth` (without gravity), and what pins and buttons hold, together until every gap is closed or the cap is reached:
     first those of the lowest order, which then hold while the next ones close. A panel whose first seam has not come yet is held where it was placed, and with
-    it the pins and buttons on it: what closes before would knock it about. pull_n_m: largest force of a stitch, per length of seam."""
+    it the pins and buttons on it: what closes before would knock it about. pull_n_m: largest force of a stitch, per length of seam. until_s: simulated time at
+    which it ends in any case."""
     cloth = dynamics.cloth
     turns = first_orders(cloth)
     order, held = cloth.seam_order[cloth.stitch_seam], row_orders(hardware, turns)
@@ -83,7 +92,9 @@ def close_seams(dynamics: Dynamics, state: State, hardware: PointRows, look: Cal
             state.run |= {_ORDER: float(now), _FROM: state.time_s}
         dynamics.hold_still(turns > now)
         late = np.concatenate([order[order <= now], held[held <= now]]) < now
-        welding = _close(dynamics, state, rows_where(hardware, held <= now), np.flatnonzero(order <= now), late, look, pull_n_m * cloth.spacing)
+        welding = _close(dynamics, state, rows_where(hardware, held <= now), np.flatnonzero(order <= now), late, look, (pull_n_m * cloth.spacing, until_s))
+        if state.time_s >= until_s:
+            break
     return welding
 
 
@@ -104,11 +115,11 @@ def row_orders(rows: PointRows, turns: np.ndarray) -> np.ndarray:
 
 
 def _close(
-    dynamics: Dynamics, state: State, hardware: PointRows, chosen: np.ndarray, late: np.ndarray, look: Callable[[Progress], None], pull: float
+    dynamics: Dynamics, state: State, hardware: PointRows, chosen: np.ndarray, late: np.ndarray, look: Callable[[Progress], None], most: tuple[float, float]
 ) -> Welding:
-    """Close the `chosen` stitches with forces up to `pull` N. late: (R,) bool of their rows and those of the hardware, which were closed before: they hold with
-    all that closed them."""
-    cloth, since = dynamics.cloth, state.run[_FROM]
+    """Close the `chosen` stitches. most: force of a stitch, N, and simulated time. late: (R,) bool of their rows and those of the hardware, which were closed
+    before: they hold with all that closed them."""
+    cloth, since, (pull, until_s) = dynamics.cloth, state.run[_FROM], most
     names = tuple(cloth.seam_names[k] for k in cloth.stitch_seam[chosen])
     nodes, sewn = dynamics.contact.nodes, len(names)
     rows = joined_rows(stitch_rows(cloth.stitches[chosen], names), hardware)
@@ -124,7 +135,7 @@ def _close(
         look(Progress(state.phase, state.step, state.time_s, float(gaps.max(initial=0.0)) * 1e3, None, dynamics.measures(state)[2], None))
         leniency = closing_leniency(state.time_s - since)
         closed = bool(np.all(gaps[:sewn] < np.maximum(caught, leniency * CLOSED_M))) and gaps[sewn:].max(initial=0.0) < leniency * HELD_M
-        if closed or state.time_s - since >= CLOSING_CAP_S:
+        if closed or state.time_s >= min(since + CLOSING_CAP_S, until_s):
             break
         dynamics.constraint.least_share = np.where(between, min(1.0, leniency * LEAST_SHARE), LEAST_SHARE)
         dynamics.constraint.least_speed = np.where(late, SPEED_CAP_M_S, least_closing_speed(state.time_s - since))

@@ -65,7 +65,7 @@ def least_headroom(positions, limit):  # type: ignore[no-untyped-def]
 
 @kernel
 def pull_back(positions, limit, inverse_masses, time_step, velocities):  # type: ignore[no-untyped-def]
-    """Gauss-Seidel sweeps over all links in their order, velocities in place, until none is too long at the end of the step that could come back faster, or SWEEPS are done."""
+    """Gauss-Seidel sweeps over all links in their order, velocities in place: until each that is too long comes back as fast as it may, at most SWEEPS."""
     ends, longest = limit.ends, limit.longest
     for _ in range(SWEEPS):
         all_right = True
