@@ -13,7 +13,7 @@ from drawn import materials
 
 from garmentcad.arrays import indices
 from garmentcad.check.finding import Finding
-from garmentcad.check.placement import check_placement, check_twists
+from garmentcad.check.placement import check_placement, check_reach, check_twists
 from garmentcad.cloth.lattice import build_cloth
 from garmentcad.errors import SpecError
 from garmentcad.mannequin.mannequin import ArrangementCylinder, Mannequin
@@ -58,7 +58,8 @@ def findings(change: Callable[[dict[str, Any]], Any] = lambda data: None) -> lis
     pattern, mannequin = draft(parse_spec(data, "tube.yaml"), {}), body()
     cloth = build_cloth(pattern, lambda _, points: np.zeros(len(points), dtype=np.int32), materials(0.2), GRID_MM)
     positions = place_vertices(pattern, cloth, mannequin)
-    return [*check_twists(pattern, cloth, positions, "tube.yaml"), *check_placement(cloth, positions, mannequin, "tube.yaml")]
+    off = check_reach(pattern, cloth, positions, mannequin, "tube.yaml")
+    return [*off, *check_twists(pattern, cloth, positions, "tube.yaml"), *check_placement(cloth, positions, mannequin, "tube.yaml")]
 
 
 def test_a_tube_is_clean() -> None:
@@ -96,6 +97,14 @@ def test_twisted_ring() -> None:
 
     assert findings(ring) == []
     assert [finding.key for finding in findings(turned)] == ["seams.ring"]
+
+
+@pytest.mark.parametrize(("height", "off"), [(-190, False), (-210, True), (990, False), (1010, True)])
+def test_a_panel_above_or_below_its_part(height: float, off: bool) -> None:
+    """The post goes from 0 to 1000 mm, the panel 200 mm up from its height."""
+    found = findings(lambda data: [data["panels"][name]["placement"]["wrap"].update(height=height) for name in ("front", "back")])
+    expected = ["panels.front.placement.wrap.height", "panels.back.placement.wrap.height"] if off else []
+    assert [finding.key for finding in found if finding.code == "placement-off-body"] == expected
 
 
 def test_crossing_panels() -> None:

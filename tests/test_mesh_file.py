@@ -1,5 +1,6 @@
 """The door for scans: good files in every format and unit, and a table of bad ones."""
 
+import json
 import struct
 
 import numpy as np
@@ -110,10 +111,20 @@ def bad_fin():
     return obj([*mesh.vertices, [3, 3, 3], [4, 4, 4]], [*mesh.faces, [a, b, tip], [b, a, tip + 1], [a, b, tip + 1], [b, a, tip]])
 
 
+def glb(head):
+    text = json.dumps({"asset": {"version": "2.0"}, **head}).encode()
+    text += b" " * (-len(text) % 4)
+    return struct.pack("<4sII", b"glTF", 2, 20 + len(text)) + struct.pack("<I4s", len(text), b"JSON") + text
+
+
 BAD = {
     "empty.obj": (lambda: b"", "empty"),
     "empty.stl": (lambda: b"", "empty"),
     "words.obj": (lambda: b"this is not a mesh\n", "no triangles|not a readable|0 faces"),
+    "zeros.glb": (lambda: glb({"accessors": [{"componentType": 5126, "type": "VEC3", "count": 10**8}]}), "100000000 elements has no bufferView"),
+    "claims.glb": (lambda: glb({"accessors": [{"count": 10**8, "bufferView": 0}]}), "claim 100000000 elements"),
+    "copies.glb": (lambda: glb({"meshes": [{}], "nodes": [{"mesh": 0}] * 9}), "1 meshes stand in 9 places"),
+    "odd.glb": (lambda: glb({"accessors": 3}), "not a readable GLB"),
     "noise.glb": (lambda: bytes(range(256)) * 4, "not a readable"),
     "noise.ply": (lambda: bytes(range(256)) * 4, "not a readable"),
     "noise.stl": (lambda: bytes(range(256)) * 4, "claims"),

@@ -13,7 +13,8 @@ from garmentcad.cloth.state import State
 from garmentcad.errors import InputError
 from garmentcad.export import picture
 from garmentcad.export.cloth_file import read_cloth, write_cloth
-from garmentcad.export.result_folder import Result, read_result_folder, write_result_folder
+from garmentcad.export.result_folder import Result, clear_folder, read_result_folder, write_result_folder
+from garmentcad.io.npz_file import read_npz
 
 
 def result() -> Result:
@@ -97,6 +98,30 @@ def test_a_killed_writer_leaves_no_report(tmp_path: Path, monkeypatch: pytest.Mo
     assert not (tmp_path / "report.json").exists()
     with pytest.raises(InputError, match=r"report\.json.*not the folder of a finished drape"):
         read_result_folder(tmp_path)
+
+
+@pytest.mark.usefixtures("no_view")
+def test_a_folder_that_is_used_again_is_that_of_no_earlier_drape(tmp_path: Path) -> None:
+    write_result_folder(tmp_path, result(), {})
+    (tmp_path / "movement").mkdir()
+    (tmp_path / "movement" / "frames.npz").write_bytes(b"x")
+    (tmp_path / "mine.txt").write_text("kept")
+    clear_folder(tmp_path, movement=False)
+    assert (tmp_path / "movement" / "frames.npz").exists()
+    clear_folder(tmp_path, movement=True)
+    assert {path.name for path in tmp_path.rglob("*") if path.is_file()} == {"mine.txt", "cloth.npz", "maps.npz", "state.npz"}
+    with pytest.raises(InputError, match=r"--out.*cannot be the folder of a result"):
+        clear_folder(tmp_path / "mine.txt", movement=True)
+
+
+def test_arrays_that_say_they_are_too_large_are_not_read(tmp_path: Path) -> None:
+    """Ten million zeros pack into a few kilobytes."""
+    path = tmp_path / "zeros.npz"
+    np.savez_compressed(path, a=np.zeros(10_000_000))
+    assert path.stat().st_size < 100_000
+    with pytest.raises(InputError, match="80000128 bytes; at most 1000000"):
+        read_npz(path, 1_000_000)
+    assert read_npz(path)["a"].shape == (10_000_000,)
 
 
 @pytest.mark.usefixtures("no_view")

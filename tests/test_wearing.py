@@ -103,7 +103,7 @@ def test_a_band_that_does_not_pass_the_bust() -> None:
 
 def test_no_closure_is_missing() -> None:
     assert band(905.0, "wool-suiting") == []  # wide enough
-    assert band(760.0, "wool-suiting", sewn=1) == []  # open at one side
+    assert [finding.code for finding in band(760.0, "wool-suiting", sewn=1)] == ["holds-nowhere"]  # open at one side
     assert band(760.0, "interlock-knit") == []  # stretches
     assert [finding.code for finding in band(760.0, "interlock-knit", grain=90.0)] == ["closure-missing"]  # but not along its wales
 

@@ -8,10 +8,11 @@ from typing import Any
 
 from garmentcad.bench import cloth_on_ball
 from garmentcad.bench.explicit_step import PARTICLES
+from garmentcad.cloth.lattice import GRID_MM
 from garmentcad.errors import InputError, did_you_mean
 from garmentcad.io.shipped import shipped_names
 from garmentcad.simulation.course import Progress
-from garmentcad.simulation.job import GRID_MM, Job, make_job
+from garmentcad.simulation.job import Job, make_job
 from garmentcad.simulation.record import record
 from garmentcad.simulation.run import run
 

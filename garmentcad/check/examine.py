@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from garmentcad.analysis.clearance import clearing_moves, move_panels
@@ -9,9 +10,9 @@ from garmentcad.check.doctor import check_pattern, refusal, worst_first
 from garmentcad.check.finding import Finding
 from garmentcad.check.gather import check_gathers
 from garmentcad.check.hardware import check_hardware
-from garmentcad.check.placement import check_moves, check_placement, check_twists
+from garmentcad.check.placement import check_moves, check_placement, check_reach, check_twists
 from garmentcad.check.wearing import check_wearing
-from garmentcad.cloth.lattice import build_cloth
+from garmentcad.cloth.lattice import build_cloth, check_grid
 from garmentcad.cloth.materials import lay_out_sheets
 from garmentcad.errors import InputError
 from garmentcad.fabric.material import material_row
@@ -24,25 +25,36 @@ from garmentcad.io.spec_file import spec_folder
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.draft import draft_errors
 from garmentcad.pattern.pattern import Pattern, named_fabrics
+from garmentcad.pattern.scope import with_values
 from garmentcad.pattern.spec import GarmentSpec
 from garmentcad.placement.place import place_vertices
 
 
-def examine(spec: str | Path | GarmentSpec, mannequin: str | None = None, grid_mm: float = 10.0, fabric: str | None = None) -> list[Finding]:
+def examine(
+    spec: str | Path | GarmentSpec,
+    mannequin: str | None = None,
+    grid_mm: float = 10.0,
+    fabric: str | None = None,
+    values: Mapping[str, float] | None = None,
+) -> list[Finding]:
     """All findings on a garment, or on every garment of an outfit, errors first. spec: a shipped name, a file or a model; mannequin, fabric: a shipped name or
-    a file, in place of the spec's own; an outfit has a fabric for each garment and takes none.
+    a file, in place of the spec's own; values: of parameters, alike. An outfit has fabrics and values for each garment and takes none.
 
     Input that cannot be read at all is a finding too, not an exception. Panels are placed only when they have no errors of their own.
     """
     try:
+        check_grid(grid_mm)
         read = spec if isinstance(spec, GarmentSpec) else read_worn(spec)
         if not isinstance(read, GarmentSpec):
             if fabric is not None:
                 raise InputError("an outfit has a fabric for each garment; name them in its file", key="--fabric")
+            if values:
+                raise InputError("an outfit has values of parameters for each garment; name them in its file", key="--set")
             outfit, garments = read
             worn_by = mannequin if mannequin is not None else str(resolve_reference(outfit.mannequin, "mannequins", spec_folder(outfit)))
-            return worst_first([finding for garment in garments for finding in examine(garment, worn_by, grid_mm)])
-        spec, folder = read, spec_folder(read)
+            named = zip(garments, outfit.garments, strict=True)
+            return worst_first([finding for garment, entry in named for finding in examine(garment, worn_by, grid_mm, values=entry.values)])
+        spec, folder = with_values(read, values or {}), spec_folder(read)
         body = read_mannequin(mannequin if mannequin is not None else resolve_reference(spec.mannequin, "mannequins", folder))
     except InputError as error:
         return [refusal(error)]
@@ -93,5 +105,6 @@ def _check_placed(spec: GarmentSpec, pattern: Pattern, body: Mannequin, sheets: 
         return [refusal(type(error)(error.message, file=error.file or spec.file, key=error.key))]
     moves = clearing_moves(pattern, cloth, positions, body)
     positions = move_panels(cloth, positions, moves)
-    placed = [*check_moves(moves, spec.file), *check_twists(pattern, cloth, positions, spec.file), *check_placement(cloth, positions, body, spec.file)]
+    reach = check_reach(pattern, cloth, positions, body, spec.file)
+    placed = [*check_moves(moves, spec.file), *reach, *check_twists(pattern, cloth, positions, spec.file), *check_placement(cloth, positions, body, spec.file)]
     return [*placed, *worn, *check_hardware(pattern, cloth, materials, body, spec.file)]

@@ -13,7 +13,7 @@ from garmentcad.check.finding import Finding
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.geometry.intersection import crossing_triangle_pairs
 from garmentcad.mannequin.mannequin import Mannequin
-from garmentcad.pattern.pattern import EdgeUse, Pattern
+from garmentcad.pattern.pattern import EdgeUse, Pattern, Wrap
 from garmentcad.pattern.runs import side_length
 from garmentcad.units import M_TO_MM, MM_TO_M
 
@@ -25,7 +25,7 @@ def check_moves(moves: list[Move], file: str | None = None) -> Iterator[Finding]
     for move in moves:
         yield Finding(
             "note", "panel-moved", file, f"panels.{move.panel}.placement", str(move),
-            "Nothing is wrong; move its transform, if it shall start elsewhere.",
+            "A few mm do no harm; change its placement, if it shall start elsewhere.",
         )  # fmt: skip
 
 
@@ -52,6 +52,24 @@ def check_placement(cloth: Cloth, positions: np.ndarray, mannequin: Mannequin, f
             "error", "placement-crossing", file, f"panels.{name}.placement", f"as placed the panel {what} in {count} pairs of triangles",
             "Wrap it wider: enlarge offset or scale." if a == b else "Move the placements apart: other angles, heights or offsets.",
         )  # fmt: skip
+
+
+def check_reach(pattern: Pattern, cloth: Cloth, positions: np.ndarray, mannequin: Mannequin, file: str | None = None) -> Iterator[Finding]:
+    """Wrapped panels that lie wholly above or below the part of the body that they are wrapped around: a height in cm, say."""
+    for index, (name, panel) in enumerate(pattern.panels.items()):
+        rule = panel.placement
+        if not isinstance(rule, Wrap) or rule.part not in mannequin.part_names:
+            continue
+        cylinder, part = mannequin.cylinders[rule.part], mannequin.face_part == mannequin.part_names.index(rule.part)
+        along = M_TO_MM * ((positions[cloth.vertex_panel == index] - cylinder.origin) @ cylinder.up)
+        body = M_TO_MM * ((mannequin.vertices[np.unique(mannequin.faces[part])] - cylinder.origin) @ cylinder.up)
+        if len(body) and (along.max() < body.min() or along.min() > body.max()):
+            yield Finding(
+                "error", "placement-off-body", file, f"panels.{name}.placement.wrap.height",
+                f"the panel is wrapped from {along.min():.0f} to {along.max():.0f} mm along '{rule.part}', "
+                f"which goes from {body.min():.0f} to {body.max():.0f} mm",
+                "Heights are in mm along the part, those of the torso above the floor; correct the height, or name the part that is meant.",
+            )  # fmt: skip
 
 
 def check_twists(pattern: Pattern, cloth: Cloth, positions: np.ndarray, file: str | None = None) -> Iterator[Finding]:

@@ -77,10 +77,19 @@ def check_wearing(
     """Findings on an unsewn cloth at positions (V,3) m. SpecError where the seams cannot be welded."""
     seams = [seam.name for seam in pattern.seams]
     worn, put_on = (_sewn(cloth, positions, names) for names in (seams, [seam.name for seam in pattern.seams if seam.closed is None]))
+    around = False
     for part in _parts(body):
         slack = _SLACK_M + _open_along(part.axis, positions, worn[0].vertex_particle)
-        yield from _check_ease(_rings(pattern, *worn, part), part, slack, materials, file)
+        rings = _rings(pattern, *worn, part)
+        around = around or bool(rings)
+        yield from _check_ease(rings, part, slack, materials, file)
         yield from _check_passing(_rings(pattern, *put_on, part), part, materials, file)
+    if body.cylinders and not (around or pattern.buttons or pattern.pins or pattern.bands):
+        yield Finding(
+            "warning", "holds-nowhere", file, "panels",
+            "sewn as it is placed, no closed ring of cloth goes around the trunk, the neck, an arm or a leg, and there is no button, pin or band: it may fall",
+            "Place the panels around the body (the back of a garment at the angle 180), sew what is open, or hold it by buttons, pins or a belt.",
+        )  # fmt: skip
 
 
 def _sewn(cloth: Cloth, positions: np.ndarray, seams: Collection[str]) -> tuple[Cloth, np.ndarray]:

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from garmentcad.cli.named import named_numbers
+
 if TYPE_CHECKING:
     from garmentcad.simulation.course import Progress
 
@@ -39,6 +41,7 @@ def drape(
     pose: Annotated[
         str | None, typer.Option(help="Key frames (a shipped name or a YAML file) that the mannequin goes through once the garment is at rest.")
     ] = None,
+    values: Annotated[list[str] | None, typer.Option("--set", help="NAME=NUMBER: a parameter, in place of the spec's value. May stand several times.")] = None,
     resume: Annotated[bool, typer.Option("--resume", help="Go on from the checkpoint in the result folder.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the report as one JSON object and nothing else.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress line.")] = False,
@@ -55,8 +58,9 @@ def drape(
 
     if threads is not None:
         numba.set_num_threads(threads)
+    named = named_numbers(values, "--set")
     with event.install_recorder("numba:compile") as compiled:
-        job = make_job(spec, fabric, mannequin, grid_mm=grid, seed=seed, mode=mode.value, max_time_s=max_time, pose=pose)
+        job = make_job(spec, fabric, mannequin, grid_mm=grid, seed=seed, mode=mode.value, max_time_s=max_time, pose=pose, values=named)
         folder = out if out is not None else Path("out") / job.pattern.name
         line = ProgressLine(quiet or as_json)
         result, written = finish(job, line.show, folder, resume)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -29,6 +30,8 @@ def fit(
     if as_json:
         print(fit_json(made), end="")
         return
+    if made["status"] != "converged":
+        print(f"garmentcad: this drape ended as {made['status']}: its figures are not those of a garment at rest", file=sys.stderr)
     for table in fit_tables(made):
         Console().print(table)
     if out is not None:

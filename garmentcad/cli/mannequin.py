@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from garmentcad.cli.named import named_numbers
 from garmentcad.errors import InputError
 
 app = typer.Typer(no_args_is_help=True, help="Mannequins.")
@@ -67,7 +68,7 @@ def make(
     if out.suffix == ".yaml" and (source not in KINDS or pose is not None):
         raise InputError("a measurements file is written for woman or man with measurements, without a pose; write .obj", key="--out")
     if source in KINDS:
-        spec = {"schema": 1, "units": "mm", "kind": source, "measurements": dict(_pair(text) for text in measurements or ())}
+        spec = {"schema": 1, "units": "mm", "kind": source, "measurements": named_numbers(measurements, source)}
         spec |= {} if arm_angle is None else {"arm_angle": arm_angle}
         spec |= {"form": True} if form else {}
         spec |= {} if pad is None else {"shoulder_pads": _pads(pad)}
@@ -87,11 +88,6 @@ def make(
     print(out)
 
 
-def _pair(text: str) -> tuple[str, float]:
-    name, _, value = text.partition("=")
-    return name, _number(value, text)
-
-
 def _pads(text: str) -> dict[str, float]:
     values = [_number(value, "--pad") for value in text.split(",")]
     if len(values) > 4:
@@ -103,4 +99,4 @@ def _number(text: str, key: str) -> float:
     try:
         return float(text)
     except ValueError:
-        raise InputError(f"{text!r} is not a number of mm; wanted is NAME=MM", key=key) from None
+        raise InputError(f"{text!r} is not a number of mm", key=key) from None

@@ -24,6 +24,7 @@ from garmentcad.geometry.triangle import signed_areas
 from garmentcad.pattern.pattern import Edge, Panel, Pattern, Transform
 from garmentcad.units import MM_TO_M
 
+GRID_MM = (2.0, 50.0)  # spacings that a drape may have
 MaterialOf: TypeAlias = Callable[[Panel, np.ndarray], Any]
 """Rows (N,) of the material table at the points (N,2), panel mm, of a panel."""
 
@@ -43,6 +44,12 @@ class _Part(NamedTuple):
     triangles: np.ndarray
     triangle_material: np.ndarray
     hinges: Hinges
+
+
+def check_grid(grid_mm: float) -> None:
+    """InputError for a lattice spacing that no drape takes."""
+    if not GRID_MM[0] <= grid_mm <= GRID_MM[1]:
+        raise InputError(f"grid of {grid_mm:g} mm; {GRID_MM[0]:g} to {GRID_MM[1]:g} mm is allowed", key="--grid")
 
 
 def build_cloth(

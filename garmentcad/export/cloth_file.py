@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import zipfile
 from pathlib import Path
 from typing import Any, get_type_hints
 
@@ -12,6 +11,7 @@ import numpy as np
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.errors import FileError
 from garmentcad.io.atomic import write_atomic
+from garmentcad.io.npz_file import read_npz
 
 
 def write_cloth(path: str | Path, cloth: Cloth) -> Path:
@@ -30,7 +30,7 @@ def write_cloth(path: str | Path, cloth: Cloth) -> Path:
 
 def read_cloth(path: str | Path) -> Cloth:
     """Read what `write_cloth` wrote. Raises FileError for a torn or foreign file."""
-    arrays = read_arrays(path)
+    arrays = read_npz(path)
     hints = get_type_hints(Cloth)
     values: dict[str, Any] = {}
     try:
@@ -49,17 +49,6 @@ def read_cloth(path: str | Path) -> Cloth:
     except (KeyError, TypeError, ValueError, IndexError) as error:
         raise FileError(f"is not a cloth file of this version ({error}); drape the garment again", file=str(path)) from error
     return cloth
-
-
-def read_arrays(path: str | Path) -> dict[str, np.ndarray]:
-    """All arrays of an .npz file. Raises FileError where it cannot be read; pickled objects are refused."""
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            return {name: file[name] for name in file.files}
-    except FileNotFoundError as error:
-        raise FileError("no such file", file=str(path)) from error
-    except (OSError, ValueError, EOFError, KeyError, AttributeError, zipfile.BadZipFile) as error:
-        raise FileError(f"cannot be read as a set of arrays ({error})", file=str(path)) from error
 
 
 def _check(cloth: Cloth) -> None:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from garmentcad.export.movement import movement_report, write_movement
 from garmentcad.export.report import build_report
-from garmentcad.export.result_folder import Result, WrittenFolder, write_result_folder
+from garmentcad.export.result_folder import Result, WrittenFolder, clear_folder, write_result_folder
 from garmentcad.pattern.spec import GarmentSpec
 from garmentcad.simulation.course import Progress
 from garmentcad.simulation.job import Job, Mode, make_job
@@ -28,14 +28,15 @@ def drape(
     mode: Mode = "drape",
     max_time_s: float = 12.0,
     pose: str | None = None,
+    values: Mapping[str, float] | None = None,
     folder: str | Path | None = None,
 ) -> Result:
     """Drape a garment and return its report, cloth, state and maps; with `folder`, write the result folder too.
 
     spec: shipped name, file or model; fabric, mannequin: shipped name or file, in place of the spec's own; pose: key frames (shipped name or file) that the
-    body goes through once the garment hangs at rest. Raises InputError for what is refused.
+    body goes through once the garment hangs at rest; values: of the garment's parameters, in place of those in the spec. Raises InputError for what is refused.
     """
-    job = make_job(spec, fabric, mannequin, grid_mm=grid_mm, seed=seed, mode=mode, max_time_s=max_time_s, pose=pose)
+    job = make_job(spec, fabric, mannequin, grid_mm=grid_mm, seed=seed, mode=mode, max_time_s=max_time_s, pose=pose, values=values)
     return finish(job, lambda progress: None, None if folder is None else Path(folder))[0]
 
 
@@ -44,7 +45,10 @@ def finish(job: Job, look: Callable[[Progress], None], folder: Path | None, resu
 
     The checkpoint in `folder` is kept while the run lasts and removed when the folder is whole. A movement that was broken off begins anew.
     """
-    checkpoint = None if folder is None else folder / CHECKPOINT
+    checkpoint = None
+    if folder is not None:
+        checkpoint = folder / CHECKPOINT
+        clear_folder(folder, movement=True)
     outcome = run(job, look, checkpoint, resume)
     made, measures = record(outcome)
     report = build_report(made, measures)

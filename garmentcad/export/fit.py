@@ -89,9 +89,12 @@ def fit_tables(fit: Mapping[str, Any]) -> list[Table]:
         if ease is not None:
             lines.add_row(name, *(cell(f"{key}.{name}") for key in ("body_girth_mm", "ease_mm", "pattern_ease_mm", "ease_level_mm")))
     for name, loops in fit.get("lines", {}).items():
+        if not loops:
+            lines.add_row(f"{name} (cuts no cloth)", "", "", "", "")
         for parts in loops:
             lines.add_row(f"{name} ({parts})", *(cell(f"lines.{name}.{parts}.{key}") for key in ("body_mm", "ease_mm", "pattern_ease_mm")), "")
     lines.title = f"{fit['garment']} · {fit['fabric']} · {fit['mannequin']} · {fit['grid_mm']:g} mm"
+    lines.title += "" if fit["status"] == "converged" else f" · NOT AT REST ({fit['status']})"
     seams = plain_table("seam", "length mm", "across N/m", "most N/m", "along N/m")
     for name, seam in fit.get("seam_tension", {}).items():
         if seam is not None:

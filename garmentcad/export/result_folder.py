@@ -17,16 +17,20 @@ import numpy as np
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.state import State
 from garmentcad.errors import FileError
-from garmentcad.export.cloth_file import read_arrays, read_cloth, write_cloth
+from garmentcad.export.cloth_file import read_cloth, write_cloth
 from garmentcad.export.glb import write_garment_glb
 from garmentcad.export.obj import read_mannequin_obj, write_garment_obj, write_mannequin_obj
 from garmentcad.export.picture import ViewMissing, render_pictures
 from garmentcad.export.report import write_report
 from garmentcad.io.atomic import write_atomic
+from garmentcad.io.npz_file import read_npz
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.simulation.checkpoint import load_state, save_state
 
 PICTURES = ("front", "back")
+_SOLID = ("garment.obj", "garment.glb", "mannequin.obj")
+_MOVEMENT = ("movement/frames.npz", "movement/frames.png")
+_MOST_MAPS = 64  # what a folder of another version may have
 
 
 @dataclass(frozen=True)
@@ -49,21 +53,29 @@ class WrittenFolder:
     notes: tuple[str, ...]
 
 
+def clear_folder(folder: Path, movement: bool) -> None:
+    """Make the folder, and take away what makes it that of an earlier drape: a run that is broken off leaves no old report beside its checkpoint. FileError
+    where that cannot be done. movement: whether the frames of a movement go, too."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for name in ("report.json", *_SOLID, *(f"{view}.png" for view in PICTURES), *(_MOVEMENT if movement else ())):
+            (folder / name).unlink(missing_ok=True)
+    except OSError as error:
+        raise FileError(f"cannot be the folder of a result: {error.strerror or error}", file=str(folder), key="--out") from error
+
+
 def write_result_folder(folder: str | Path, result: Result, identity: Mapping[str, str]) -> WrittenFolder:
     """Write all files of a result. identity: as `save_state` takes it. Without the extra `view` the pictures are left out, and a note says so."""
     folder = Path(folder)
     positions = result.state.positions
     notes: list[str] = []
-    (folder / "report.json").unlink(missing_ok=True)
+    clear_folder(folder, movement=False)
     files = [folder / "state.npz"]
-    folder.mkdir(parents=True, exist_ok=True)
     save_state(folder / "state.npz", result.state, dict(identity))
     files.append(write_cloth(folder / "cloth.npz", result.cloth))
     files.append(write_atomic(folder / "maps.npz", lambda file: np.savez_compressed(file, **result.maps)))  # type: ignore[arg-type]
     finite = bool(np.isfinite(positions).all())
     drawn = {view: folder / f"{view}.png" for view in PICTURES}
-    for path in (folder / "garment.obj", folder / "garment.glb", folder / "mannequin.obj", *drawn.values()):
-        path.unlink(missing_ok=True)
     if result.mannequin is not None:
         files.append(write_mannequin_obj(folder / "mannequin.obj", result.mannequin))
     if finite:
@@ -101,7 +113,7 @@ def read_result_folder(folder: str | Path) -> Result:
     state = load_state(folder / "state.npz")
     if state.positions.shape != (cloth.particle_count, 3):
         raise FileError(f"holds {state.positions.shape} positions where cloth.npz has {cloth.particle_count} particles", file=str(folder / "state.npz"))
-    maps = read_arrays(folder / "maps.npz")
+    maps = read_npz(folder / "maps.npz", _MOST_MAPS * (8 * cloth.particle_count + 1024))
     for name, values in maps.items():
         if values.shape != (cloth.particle_count,):
             raise FileError(f"{name} has shape {values.shape} where cloth.npz has {cloth.particle_count} particles", file=str(folder / "maps.npz"))

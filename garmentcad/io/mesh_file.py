@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import struct
 from pathlib import Path
 
@@ -78,6 +79,29 @@ def _check_claims(raw: bytes, ending: str, file: str) -> None:
             if len(words) == 3 and words[0] == b"element" and (not words[2].isdigit() or int(words[2]) > len(raw)):
                 count, what = (word[:20].decode("latin-1") for word in (words[2], words[1]))
                 raise MeshError(f"the PLY header claims {count} of {what}, more than the file holds", file=file)
+    if ending == ".glb":
+        _check_accessors(raw, file)
+
+
+def _check_accessors(raw: bytes, file: str) -> None:
+    """An accessor of a GLB file needs no bytes of its own: one without a view stands for as many zeros as it says, several may look at one view, and a mesh
+    may stand in many places."""
+    try:
+        size, kind = struct.unpack_from("<I4s", raw, 12)
+        head = json.loads(raw[20 : 20 + size]) if kind == b"JSON" else {}
+        claims = [(accessor["count"], "bufferView" in accessor) for accessor in head.get("accessors", [])]
+        places = sum("mesh" in node for node in head.get("nodes", []))
+        meshes = len(head.get("meshes", []))
+        most = sum(count for count, _ in claims)
+        unseen = [count for count, seen in claims if not seen]
+    except (struct.error, ValueError, KeyError, TypeError, AttributeError, RecursionError) as fault:
+        raise MeshError(f"not a readable GLB mesh ({type(fault).__name__}: {str(fault)[:200]})", file=file) from None
+    if unseen:
+        raise MeshError(f"an accessor of {unseen[0]} elements has no bufferView; all arrays of a scan must be in its file", file=file)
+    if places > meshes:
+        raise MeshError(f"{meshes} meshes stand in {places} places; each may stand in one", file=file)
+    if most > len(raw):
+        raise MeshError(f"the GLB accessors claim {most} elements, more than the file holds", file=file)
 
 
 def _load(raw: bytes, ending: str, file: str) -> tuple[np.ndarray, np.ndarray]:

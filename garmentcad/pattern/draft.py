@@ -18,7 +18,7 @@ from garmentcad.pattern.pattern import Edge, EdgeUse, Panel, Pattern, Seam, Tran
 from garmentcad.pattern.pleats import cut_pleats, pleat_seam
 from garmentcad.pattern.region import draft_regions
 from garmentcad.pattern.runs import draft_seam
-from garmentcad.pattern.scope import Scope, make_scope
+from garmentcad.pattern.scope import Scope, make_scope, with_values
 from garmentcad.pattern.spec import GarmentSpec, MirroredPanelSpec, PanelSpec, PlacementSpec, ZipSpec
 
 
@@ -28,14 +28,14 @@ def draft(spec: GarmentSpec, measurements_mm: Mapping[str, float], values: Mappi
     measurements_mm: names of docs/spec.md; values: replaces values of parameters. SpecError or ExpressionError (with the spec's file and the key path)
     for the first fault; `draft_errors` gives all.
     """
-    pattern, errors = draft_errors(spec, measurements_mm, values)
+    pattern, errors = draft_errors(with_values(spec, values) if values else spec, measurements_mm)
     if pattern is None:
         more = f" (and {len(errors) - 1} more faults)" if len(errors) > 1 else ""
         raise type(errors[0])(errors[0].message + more, file=errors[0].file, key=errors[0].key)
     return pattern
 
 
-def draft_errors(spec: GarmentSpec, measurements_mm: Mapping[str, float], values: Mapping[str, float] | None = None) -> tuple[Pattern | None, list[InputError]]:
+def draft_errors(spec: GarmentSpec, measurements_mm: Mapping[str, float]) -> tuple[Pattern | None, list[InputError]]:
     """As `draft`, but every fault that can be told apart is collected; the pattern is None when there is one."""
     errors: list[InputError] = []
 
@@ -43,7 +43,7 @@ def draft_errors(spec: GarmentSpec, measurements_mm: Mapping[str, float], values
         errors.append(type(fault)(fault.message, file=fault.file or spec.file, key=fault.key))
 
     try:
-        scope, parameters = make_scope(spec, measurements_mm, values)
+        scope, parameters = make_scope(spec, measurements_mm)
     except InputError as fault:
         keep(fault)
         return None, errors

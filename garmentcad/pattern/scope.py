@@ -40,12 +40,18 @@ class Scope:
         return x, y
 
 
-def make_scope(spec: GarmentSpec, measurements_mm: Mapping[str, float], values: Mapping[str, float] | None) -> tuple[Scope, dict[str, float]]:
-    """Scope of a garment and its evaluated parameters. `values` replaces parameter values; each must lie in its parameter's range."""
-    given = dict(values or {})
-    for name in given:
+def with_values(spec: GarmentSpec, values: Mapping[str, float]) -> GarmentSpec:
+    """The garment with other values of parameters. SpecError for a name that is none; whether a value lies in its range is seen when the garment is drafted."""
+    for name in values:
         if name not in spec.parameters:
-            raise SpecError(f"no parameter is called {name!r}{did_you_mean(name, spec.parameters)}", key="parameters")
+            raise SpecError(f"no parameter is called {name!r}{did_you_mean(name, spec.parameters)}", file=spec.file, key="parameters")
+    return spec.model_copy(
+        update={"parameters": {name: own.model_copy(update={"value": values.get(name, own.value)}) for name, own in spec.parameters.items()}}
+    )
+
+
+def make_scope(spec: GarmentSpec, measurements_mm: Mapping[str, float]) -> tuple[Scope, dict[str, float]]:
+    """Scope of a garment and its evaluated parameters, each in its range."""
     scope = Scope(dict(measurements_mm))
     parameters: dict[str, float] = {}
     for name, parameter in spec.parameters.items():
@@ -54,7 +60,7 @@ def make_scope(spec: GarmentSpec, measurements_mm: Mapping[str, float], values: 
         low, high = (None, None) if parameter.range is None else (scope.number(parameter.range[k], f"{key}.range.{k}") for k in (0, 1))
         if low is not None and high is not None and low > high:
             raise SpecError(f"the smallest value {low:g} is larger than the largest {high:g}", key=f"{key}.range")
-        parameters[name] = scope.number(given.get(name, parameter.value), f"{key}.value", low, high)
+        parameters[name] = scope.number(parameter.value, f"{key}.value", low, high)
         scope.names[name] = parameters[name]
     for name, expression in spec.values.items():
         key = f"values.{name}"

@@ -19,8 +19,8 @@ from pydantic import Field
 from scipy.stats import t as student
 
 from garmentcad.errors import FileError, SpecError
-from garmentcad.export.cloth_file import read_arrays
 from garmentcad.io.atomic import write_atomic
+from garmentcad.io.npz_file import read_npz
 from garmentcad.io.yaml_file import read_yaml
 from garmentcad.pattern.garment_test import Number, ReportKey, Tolerance
 from garmentcad.pattern.model import Model
@@ -144,7 +144,7 @@ def read_baseline(path: Path, setting: dict[str, str], keys: Sequence[str]) -> B
 def read_shape(path: Path) -> Shape:
     """The shape beside a baseline. FileError where it is missing, torn, or no surface."""
     beside = path.with_suffix(".npz")
-    arrays = read_arrays(beside)
+    arrays = read_npz(beside)
     try:
         positions, triangles, owner = (arrays[name] for name in ("positions", "triangles", "vertex_particle"))
         shape = Shape(np.asarray(positions, dtype=np.float64), np.asarray(triangles, dtype=np.int32), np.asarray(owner, dtype=np.int32))

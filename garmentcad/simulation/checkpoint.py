@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import json
-import zipfile
 from pathlib import Path
 
 import numpy as np
 
 from garmentcad.cloth.state import State
-from garmentcad.errors import CheckpointError
+from garmentcad.errors import CheckpointError, FileError
 from garmentcad.io.atomic import write_atomic
+from garmentcad.io.npz_file import read_npz
 
 SCHEMA = 3
 
@@ -29,9 +29,10 @@ def save_state(path: Path, state: State, identity: dict[str, str]) -> None:
 
 def load_state(path: Path, identity: dict[str, str] | None = None) -> State:
     """Read a State. CheckpointError where the file is torn, or was made by another run than `identity` says."""
+    if not Path(path).exists():
+        raise CheckpointError("there is no checkpoint to resume from", file=str(path))
     try:
-        with np.load(path, allow_pickle=False) as file:
-            arrays = {name: file[name] for name in file.files}
+        arrays = read_npz(path)
         head = json.loads(bytes(arrays.pop("head")).decode())
         state = State(
             arrays["positions"], arrays["velocities"], head["time_s"], head["step"], head["time_step_s"], head["phase"], arrays["constraint_speeds"],
@@ -40,9 +41,9 @@ def load_state(path: Path, identity: dict[str, str] | None = None) -> State:
             head["run"], head["work_j"], arrays["constraint_forces"], arrays["fold_angles"],
         )  # fmt: skip
         made_by = head["identity"]
-    except FileNotFoundError:
-        raise CheckpointError("there is no checkpoint to resume from", file=str(path)) from None
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
+    except FileError as error:
+        raise CheckpointError(f"not a whole checkpoint of this program: {error.message}", file=str(path)) from None
+    except (ValueError, KeyError) as error:
         raise CheckpointError(f"not a whole checkpoint of this program ({type(error).__name__}: {error})", file=str(path)) from None
     if identity is not None and made_by != identity:
         unlike = [key for key in sorted({*made_by, *identity}) if made_by.get(key) != identity.get(key)]

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
 from garmentcad import __version__
+from garmentcad.cloth.lattice import check_grid
 from garmentcad.errors import InputError
 from garmentcad.fabric.missing import Completed
 from garmentcad.fabric.sheet import sheet_sha256
@@ -23,10 +25,10 @@ from garmentcad.mannequin.motion import KeyFrame, motion
 from garmentcad.pattern.draft import draft
 from garmentcad.pattern.outfit import OutfitSpec, put_on
 from garmentcad.pattern.pattern import Pattern, named_fabrics, with_fabrics
+from garmentcad.pattern.scope import with_values
 from garmentcad.pattern.spec import GarmentSpec
 
 Mode = Literal["drape", "dynamics"]
-GRID_MM = (2.0, 50.0)
 
 
 @dataclass(frozen=True)
@@ -74,18 +76,18 @@ def make_job(
     mode: Mode = "drape",
     max_time_s: float = 12.0,
     pose: str | None = None,
+    values: Mapping[str, float] | None = None,
 ) -> Job:
     """Read everything that a drape needs. spec: a shipped name, a file, or a model; fabric, mannequin: a shipped name or a file, in place of the spec's own;
-    pose: key frames, a shipped name or a file. InputError for anything that is refused."""
-    if not GRID_MM[0] <= grid_mm <= GRID_MM[1]:
-        raise InputError(f"grid of {grid_mm:g} mm; {GRID_MM[0]:g} to {GRID_MM[1]:g} mm is allowed", key="--grid")
+    pose: key frames, a shipped name or a file; values: of parameters, in place of the spec's. InputError for anything that is refused."""
+    check_grid(grid_mm)
     if not 0.0 < max_time_s <= 600.0:
         raise InputError(f"{max_time_s:g} simulated seconds; more than 0 and at most 600 are allowed", key="--max-time")
     if seed < 0:
         raise InputError(f"seed {seed}; 0 or a positive number is allowed", key="--seed")
     model = spec if isinstance(spec, GarmentSpec) else read_worn(spec)
     if isinstance(model, GarmentSpec):
-        folder = spec_folder(model)
+        model, folder = with_values(model, values or {}), spec_folder(model)
         body = read_mannequin(mannequin if mannequin is not None else resolve_reference(model.mannequin, "mannequins", folder))
         pattern = draft(model, body.measurements_mm)
         fabrics = {name: load_fabric(resolve_reference(name, "fabrics", folder)) for name in sorted(named_fabrics(pattern))}
@@ -96,6 +98,8 @@ def make_job(
     else:
         if fabric is not None:
             raise InputError("an outfit has a fabric for each garment; name them in its file", key="--fabric")
+        if values:
+            raise InputError("an outfit has values of parameters for each garment; name them in its file", key="--set")
         (outfit, worn), folder = model, spec_folder(model[0])
         body = read_mannequin(mannequin if mannequin is not None else resolve_reference(outfit.mannequin, "mannequins", folder))
         pattern, fabrics = _dressed(outfit, worn, body.measurements_mm, folder)

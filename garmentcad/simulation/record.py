@@ -21,12 +21,14 @@ from garmentcad.forces.button import ForceButton
 from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
 from garmentcad.geometry.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
+from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.pattern import Pattern, edge_roles
 from garmentcad.placement.place import place_vertices
 from garmentcad.simulation.run import Outcome
 from garmentcad.solve.rest import patches, residual
 from garmentcad.units import M_TO_MM
 
+FALLEN_MM = 500.0
 WIDEST_BUTTON_MM = 0.5  # a hole that stands farther from its shank pulls with 10 N, or lies on the wrong side
 LIBRARIES = ("numpy", "scipy", "numba", "trimesh", "shapely")
 
@@ -53,7 +55,11 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
     kinetic, fastest, rms = outcome.dynamics.measures(state)
     left = residual(outcome.dynamics, state, patches(cloth)).rms_g if finite else None
     energy = outcome.dynamics.forces.energy(state.positions, state.friction) if finite else {}
+    if finite:
+        seams = _seams(outcome)
     findings = [f"{name}: {finding}" for name, completed in job.fabrics.items() for finding in completed.findings if finding.severity != "info"]
+    fallen = _fallen(state.positions, body) if finite else []
+    repairs = [f"mannequin {body.name}: {repair}" for repair in body.repairs]
     made = RunRecord(
         garment=job.pattern.name,
         fabric=job.fabrics[job.pattern.fabric].sheet.name,
@@ -95,11 +101,9 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
         },
         bands=_bands(outcome) if finite else {},
         uncalibrated=not all(is_calibrated(completed.sheet) for completed in job.fabrics.values()),
-        warnings=(*outcome.warnings, *_undone(job.pattern, held), *(f"mannequin {body.name}: {repair}" for repair in body.repairs), *findings),
+        warnings=(*outcome.warnings, *_undone(job.pattern, held), *_torn(job.pattern, seams or {}), *fallen, *repairs, *findings),
     )
     roles = edge_roles(job.pattern)
-    if finite:
-        seams = _seams(outcome)
     folds = {f"{panel.name}.{fold.name}": fold.points_mm for panel in job.pattern.panels.values() for fold in panel.folds}
     return made, measure(cloth, state.positions, outcome.materials, body, roles, place_vertices(job.pattern, cloth, body), worn, seams, folds)
 
@@ -123,6 +127,22 @@ def _undone(pattern: Pattern, held: dict[str, tuple[float, float]]) -> list[str]
     gaps = {button.name: held.get(button.name, (0.0, 0.0))[0] for button in pattern.buttons}
     bar = f"at most {WIDEST_BUTTON_MM:g} mm is a button that holds"
     return [f"button '{name}' is not done up: its hole is {gap:.1f} mm from the shank ({bar})" for name, gap in gaps.items() if gap > WIDEST_BUTTON_MM]
+
+
+def _fallen(positions: np.ndarray, body: Mannequin) -> list[str]:
+    """A sentence for a garment that nothing holds up."""
+    below = M_TO_MM * float(body.vertices[:, 1].min() - positions[:, 1].min())
+    return [f"the garment fell off: it hangs down to {below:.0f} mm below the floor"] if below > FALLEN_MM else []
+
+
+def _torn(pattern: Pattern, seams: dict[str, SeamTension | None]) -> list[str]:
+    """A sentence for each seam that is pulled more than the strength that its spec gives it."""
+    found = []
+    for seam in pattern.seams:
+        tension = seams.get(seam.name)
+        if tension is not None and seam.strength_n_m is not None and tension.max_n_m > seam.strength_n_m:
+            found.append(f"seam '{seam.name}' is pulled by up to {tension.max_n_m:.3g} N/m; it holds {seam.strength_n_m:.3g} N/m")
+    return found
 
 
 def _bands(outcome: Outcome) -> dict[str, dict[str, float]]:

@@ -1,0 +1,27 @@
+"""Warnings of a report: seams pulled beyond their strength, and garments that fall."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from garmentcad.analysis.seam_tension import SeamTension
+from garmentcad.io.mannequin_file import read_mannequin
+from garmentcad.simulation.job import make_job
+from garmentcad.simulation.record import _fallen, _torn
+
+
+@pytest.mark.parametrize(("strength", "told"), [(None, []), (90.0, []), (80.0, ["seam 'side_left' is pulled by up to 85 N/m; it holds 80 N/m"])])
+def test_a_seam_that_is_pulled_beyond_its_strength_is_told(strength: float | None, told: list[str]) -> None:
+    pattern = make_job("straight-skirt").pattern
+    seams = tuple(replace(seam, strength_n_m=strength) if seam.name == "side_left" else seam for seam in pattern.seams)
+    tensions = {seam.name: SeamTension(400.0, 20.0, 85.0, 3.0) for seam in seams}
+    assert _torn(replace(pattern, seams=seams), tensions) == told
+
+
+def test_a_garment_below_the_floor_has_fallen() -> None:
+    body = read_mannequin("woman-88")
+    assert _fallen(np.array([[0.0, -0.3, 0.0], [0.0, 1.0, 0.0]]), body) == []
+    assert _fallen(np.array([[0.0, -6.653, 0.0], [0.0, 1.0, 0.0]]), body) == ["the garment fell off: it hangs down to 6653 mm below the floor"]
