@@ -26,6 +26,12 @@ lint: $(VENV)/.installed
 study: $(VENV)/.installed
 	$(BIN)/python -m tools.body_study
 	$(BIN)/python -m tools.study
+	$(BIN)/python -m tools.rule_study
+	$(BIN)/python -m tools.garmentcode_study
+	$(BIN)/python -m tools.contact_queries
+	$(BIN)/python -m tools.stress_study
+	$(BIN)/python -m tools.agreement_study
+	$(BIN)/python -m tools.friction_cost_study
 	$(BIN)/python -m tools.detection_study
 	$(BIN)/python -m tools.scaling_study
 	$(BIN)/python -m tools.cold_start_study

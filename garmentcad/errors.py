@@ -5,8 +5,11 @@ A message says what came, where (file and key path), and what is allowed.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from difflib import get_close_matches
+
+_SIZE = re.compile(r"(.*?)([0-9]{1,9})")
 
 
 class GarmentError(Exception):
@@ -65,5 +68,8 @@ def did_you_mean(word: str, allowed: Iterable[str]) -> str:
     """The end of a message about an unknown name: `; did you mean 'x'?` where one is close, then the names that are allowed (at most 40)."""
     names = sorted(allowed)
     near = get_close_matches(word[:100], names, n=1)
+    if size := _SIZE.fullmatch(word[:100]):  # of sizes the next one, not the one that is spelt alike
+        others = [(abs(int(other[2]) - int(size[2])), name) for name in names if (other := _SIZE.fullmatch(name)) and other[1] == size[1]]
+        near = [min(others)[1]] if others else near
     listed = ", ".join(names[:40]) + (f", ... ({len(names)} in all)" if len(names) > 40 else "")
     return (f"; did you mean {near[0]!r}?" if near else ".") + (f" Allowed: {listed}" if names else " There are none to choose from")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from garmentcad.errors import FileError
+from garmentcad.errors import FileError, did_you_mean
 from garmentcad.io import shipped
 from garmentcad.io.shipped import resolve_reference, shipped_file, shipped_names
 
@@ -52,6 +52,13 @@ def test_unknown_names(wheel: Path, name: str) -> None:
 def test_did_you_mean(wheel: Path) -> None:
     with pytest.raises(FileError, match="did you mean 'skirt'"):
         shipped_file("patterns", "skrit")
+
+
+def test_of_sizes_the_next_one_is_meant() -> None:
+    sizes = [f"woman-{size}" for size in range(76, 124, 4)]
+    assert did_you_mean("woman-89", [*sizes, "man-88"]).startswith("; did you mean 'woman-88'?")
+    assert did_you_mean("woman-999", sizes).startswith("; did you mean 'woman-120'?")
+    assert did_you_mean("panel3", ["panels", "pane"]).startswith("; did you mean 'panels'?")
 
 
 def test_references(wheel: Path, tmp_path: Path) -> None:

@@ -38,7 +38,7 @@ def check_panel(panel: Panel, grid_mm: float, file: str | None) -> Iterator[Find
         polygon = shapely.Polygon(loop_points([edge.curve for edge in panel.edges], _TOLERANCE_MM))
         yield from _check_inside(panel, polygon, file, key)
         yield from check_folds(panel, polygon, grid_mm, file, key)
-        yield from _check_size(panel, polygon, grid_mm, file, key)
+        yield from _check_size(polygon, grid_mm, file, key)
 
 
 def _check_lengths(panel: Panel, file: str | None, key: str) -> Iterator[Finding]:
@@ -74,7 +74,7 @@ def _check_inside(panel: Panel, polygon: shapely.Polygon, file: str | None, key:
             )  # fmt: skip
 
 
-def _check_size(panel: Panel, polygon: shapely.Polygon, grid_mm: float, file: str | None, key: str) -> Iterator[Finding]:
+def _check_size(polygon: shapely.Polygon, grid_mm: float, file: str | None, key: str) -> Iterator[Finding]:
     """A lattice needs a row of cells: at least two spacings across, and one at the very least."""
     width = 2.0 * shapely.maximum_inscribed_circle(polygon, tolerance=0.1).length
     if width < 2.0 * grid_mm:

@@ -10,8 +10,7 @@ from garmentcad import __version__
 from garmentcad.cli import bench, check, compare, drape, fabric, fit, importing, mannequin, output, test
 from garmentcad.errors import GarmentError, InputError
 
-EXIT_DONE, EXIT_FAULT, EXIT_REFUSED, EXIT_NOT_AT_REST, EXIT_ASSERTION = 0, 1, 2, 3, 4
-EXIT_INTERRUPTED = 130
+EXIT_REFUSED, EXIT_NOT_AT_REST, EXIT_INTERRUPTED = 2, 3, 130
 
 ABOUT = "Garments from sewn patterns and measured fabrics, draped on mannequins."
 

@@ -43,6 +43,8 @@ def render(
     from garmentcad.export.picture import render_picture
     from garmentcad.export.result_folder import read_result_folder
 
+    if out.suffix != ".png":
+        raise InputError(f"cannot write '{out.suffix or out.name}'; pictures are .png", file=str(out), key="--out")
     result = read_result_folder(folder)
     values = None if map_ is Map.none else result.maps.get(map_.value)
     if map_ is not Map.none and values is None:

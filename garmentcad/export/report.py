@@ -157,11 +157,22 @@ def report_table(report: Mapping[str, Any]) -> Table:
     table.add_row("seam gap at welding", f"{_show(report['seam_gap_mm']['max'], 2)} mm")
     table.add_row("intersections", f"{_count(report['self_intersections'])} in the cloth, {_count(report['mannequin_intersections'])} with the mannequin")
     table.add_row("deepest penetration", f"{_show(report['mannequin_penetration_mm']['max'], 2)} mm")
+    if "movement" in report:
+        table.add_row("movement", _movement(report["movement"]))
     if report["uncalibrated"]:
         table.add_row("fabric law", "uncalibrated: values as printed on the sheet")
     for warning in report["warnings"]:
         table.add_row("[yellow]warning[/]", warning)
     return table
+
+
+def _movement(moved: Mapping[str, Any]) -> str:
+    if "frames" not in moved:
+        return str(moved["status"])
+    found = f"{moved['self_intersections']} intersections in the cloth, {moved['mannequin_intersections']} with the mannequin"
+    slip = "" if moved["waist_slip_mm"] is None else f", the waist slips by {_show(moved['waist_slip_mm'])} mm"
+    deepest = f"deepest penetration {_show(moved['mannequin_penetration_mm'], 2)} mm"
+    return f"{moved['status']}, {len(moved['frames'])} frames in {_show(moved['seconds'])} s: at most {found}, {deepest}{slip}"
 
 
 def _ordered(name: str, values: Mapping[str, Any]) -> dict[str, Any]:

@@ -94,6 +94,8 @@ def write_result_folder(folder: str | Path, result: Result, identity: Mapping[st
 def read_report(folder: str | Path) -> dict[str, Any]:
     """report.json of a result folder. Raises FileError where there is none, or something else."""
     path = Path(folder) / "report.json"
+    if Path(folder).is_file():
+        raise FileError("is a file; the folder of a finished drape is wanted", file=str(folder))
     try:
         report = json.loads(path.read_text(encoding="utf-8"))
     except FileNotFoundError as error:

@@ -32,6 +32,9 @@ def _shipped_outfit(name_or_file: str | Path) -> Path | None:
     garments, outfits = shipped_names("patterns"), shipped_names("outfits")
     if name_or_file in outfits:
         return shipped_file("outfits", name_or_file)
+    if name_or_file not in garments and Path(name_or_file).exists():
+        kind = "a folder" if Path(name_or_file).is_dir() else "a file"
+        raise FileError(f"is {kind}; the file of a spec ends in {', '.join(SPEC_ENDINGS)}", file=name_or_file)
     if name_or_file not in garments:
         raise FileError(f"no shipped garment or outfit is called {name_or_file[:100]!r}{did_you_mean(name_or_file, garments + outfits)}")
     return None

@@ -105,13 +105,13 @@ def _cut_edge(edge: Edge, mouths: list[_Mouth]) -> list[Edge]:
         start, end = f"{before.name}_b" if before else edge.start, f"{after.name}_a" if after else edge.end
         cut.append(replace(edge, start=start, end=end, curve=pieces[k], notches=notches))
         if after:
-            cut += _legs(edge, after, pieces[k].end, pieces[k + 1].end)
+            cut += _legs(after, pieces[k].end, pieces[k + 1].end)
     if placed < len(edge.notches):
         raise SpecError(f"a notch of edge {edge.name!r} lies in the mouth of a dart; move it out", key=mouths[0].key)
     return cut
 
 
-def _legs(edge: Edge, mouth: _Mouth, a: Point, b: Point) -> list[Edge]:
+def _legs(mouth: _Mouth, a: Point, b: Point) -> list[Edge]:
     dx, dy = b[0] - a[0], b[1] - a[1]
     chord = math.hypot(dx, dy)
     inward = mouth.length_mm / chord  # the inside lies left of a counter-clockwise outline

@@ -172,7 +172,7 @@ class _Run:
             hold(dynamics, self.state, pin_rows(hardware))
             if not self.state.contact:
                 dynamics.start(self.state)
-            self._begin(dynamics)
+            self._begin()
             last = level == len(grids) - 1
             softness = SOFTNESS if self.job.pattern.seams else LOOSE_SOFTNESS
             course = Course(dynamics, forces_at, self.job.mode, self.job.max_time_s, softness, last, bool(self.job.pattern.buttons))
@@ -191,7 +191,7 @@ class _Run:
     def _hardware(self, cloth: Cloth) -> PointRows:
         return hardware_rows(self.job.pattern, cloth, self.materials, self.job.mannequin)
 
-    def _begin(self, dynamics: Dynamics) -> None:
+    def _begin(self) -> None:
         self.setup = self.setup or time.perf_counter() - self.began
         self.keep.state = self.state
 
@@ -206,7 +206,7 @@ class _Run:
             if flat.spacing == MM_TO_M * self.job.grid_mm:
                 self.state.run[UNREFINED] = 1.0
             dynamics.start(self.state)
-        self._begin(dynamics)
+        self._begin()
         try:
             pull = CLOSING_OVER_N_M if len(self.job.worn) > 1 else CLOSING_PULL_N_M
             welding = close_seams(dynamics, self.state, self._hardware(start), self.keep, pull, self.job.max_time_s)
@@ -249,7 +249,7 @@ class _Run:
         hold(dynamics, self.state, hardware)
         if not self.state.contact:
             dynamics.start(self.state)
-        self._begin(dynamics)
+        self._begin()
         try:
             press(dynamics, self.state, self.job, self.keep)
         except (DivergedError, IntersectingError) as error:
