@@ -6,7 +6,7 @@ A message says what came, where (file and key path), and what is allowed.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 
 _SIZE = re.compile(r"(.*?)([0-9]{1,9})")
@@ -19,13 +19,15 @@ class GarmentError(Exception):
 class InputError(GarmentError, ValueError):
     """Something the user gave is refused.
 
-    message: what came and what is allowed; file: path as the user wrote it; key: dotted key path inside the file.
+    message: what came and what is allowed; file: path as the user wrote it; key: dotted key path inside the file; others: what else is wrong there, as far
+    as it can be told apart.
     """
 
-    def __init__(self, message: str, *, file: str | None = None, key: str | None = None) -> None:
-        self.message, self.file, self.key = message, file, key
+    def __init__(self, message: str, *, file: str | None = None, key: str | None = None, others: Sequence[InputError] = ()) -> None:
+        self.message, self.file, self.key, self.others = message, file, key, tuple(others)
         where = ": ".join(part for part in (file, key) if part)
-        super().__init__(f"{where}: {message}" if where else message)
+        more = f" (and {len(others)} more fault{'s' * (len(others) != 1)})" if others else ""
+        super().__init__(f"{where}: {message}{more}" if where else message + more)
 
 
 class SpecError(InputError):

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from garmentcad.check.examine import examine
 from garmentcad.cli.named import named_numbers
-from garmentcad.errors import InputError, SpecError
+from garmentcad.errors import FileError, InputError, SpecError
+from garmentcad.io.shipped import shipped_file
+from garmentcad.io.spec_file import read_spec
 from garmentcad.pattern.draft import draft
 from garmentcad.simulation.job import make_job
 
@@ -36,3 +40,19 @@ def test_words_that_are_no_named_numbers(words: list[str], message: str) -> None
     with pytest.raises(InputError, match=message):
         named_numbers(words, "--set")
     assert named_numbers(["a=1", "b=-2.5"], "--set") == {"a": 1.0, "b": -2.5}
+
+
+def test_every_fault_of_a_file_is_a_finding(tmp_path: Path) -> None:
+    """And the exception, where one is raised, names the first and counts the rest."""
+    path = tmp_path / "two.yaml"
+    text = shipped_file("patterns", "straight-skirt").read_text().replace("role: hem", "role: hm", 1).replace("mannequin: woman-88", "mannequin: 88", 1)
+    path.write_text(text)
+    assert [finding.key for finding in examine(str(path)) if finding.code == "refused"] == ["mannequin", "panels.front.edges.1.role"]
+    with pytest.raises(SpecError, match=r"and 1 more fault\)"):
+        read_spec(path)
+
+
+def test_a_garment_is_read_by_its_name() -> None:
+    assert read_spec("straight-skirt") == read_spec(shipped_file("patterns", "straight-skirt"))
+    with pytest.raises(FileError, match="did you mean 'straight-skirt'"):
+        read_spec("strait-skirt")

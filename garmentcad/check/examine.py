@@ -57,7 +57,7 @@ def examine(
         spec, folder = with_values(read, values or {}), spec_folder(read)
         body = read_mannequin(mannequin if mannequin is not None else resolve_reference(spec.mannequin, "mannequins", folder))
     except InputError as error:
-        return [refusal(error)]
+        return [refusal(fault) for fault in (error, *error.others)]
     pattern, errors = draft_errors(spec, body.measurements_mm)
     if pattern is None:
         return [refusal(error) for error in errors]

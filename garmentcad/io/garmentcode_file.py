@@ -170,8 +170,7 @@ def read_garmentcode_file(path: str | Path) -> GarmentCodeFile:
         return GarmentCodeFile.model_validate(data)
     except ValidationError as fault:
         errors = spec_errors(fault, file)
-        more = f" (and {len(errors) - 1} more faults)" if len(errors) > 1 else ""
-        raise SpecError(errors[0].message + more, file=file, key=errors[0].key) from None
+        raise SpecError(errors[0].message, file=file, key=errors[0].key, others=errors[1:]) from None
 
 
 def unread(part: BaseModel, key: str = "") -> Iterator[str]:

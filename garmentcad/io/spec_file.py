@@ -29,9 +29,12 @@ def spec_folder(spec: GarmentSpec | OutfitSpec) -> Path:
     return Path() if spec.file is None else Path(spec.file).parent
 
 
-def read_spec(path: str | Path) -> GarmentSpec:
-    """The garment spec in a YAML file, or of a GarmentCode file (.json). FileError for a file that is not plain YAML (or JSON), SpecError (file, key path, what
-    came, what is allowed) for its content."""
+def read_spec(name_or_file: str | Path) -> GarmentSpec:
+    """A shipped garment, or the garment spec in a YAML file or of a GarmentCode file (.json).
+
+    FileError for a name that is not shipped and a file that is not plain YAML (or JSON), SpecError (file, key path, what came, what is allowed) for its content.
+    """
+    path = spec_path(name_or_file)
     file = str(path)
     if file.endswith(".json"):
         return import_garmentcode(path).spec

@@ -30,8 +30,7 @@ def draft(spec: GarmentSpec, measurements_mm: Mapping[str, float], values: Mappi
     """
     pattern, errors = draft_errors(with_values(spec, values) if values else spec, measurements_mm)
     if pattern is None:
-        more = f" (and {len(errors) - 1} more faults)" if len(errors) > 1 else ""
-        raise type(errors[0])(errors[0].message + more, file=errors[0].file, key=errors[0].key)
+        raise type(errors[0])(errors[0].message, file=errors[0].file, key=errors[0].key, others=errors[1:])
     return pattern
 
 

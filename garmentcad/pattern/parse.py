@@ -26,8 +26,7 @@ def parse_model(model: type[Made], data: Any, file: str | None = None) -> Made:
         return model.model_validate(data)
     except ValidationError as fault:
         errors = spec_errors(fault, file)
-        more = f" (and {len(errors) - 1} more faults)" if len(errors) > 1 else ""
-        raise SpecError(errors[0].message + more, file=file, key=errors[0].key) from None
+        raise SpecError(errors[0].message, file=file, key=errors[0].key, others=errors[1:]) from None
 
 
 def spec_errors(fault: ValidationError, file: str | None) -> list[SpecError]:
