@@ -32,7 +32,7 @@ def spec_folder(spec: GarmentSpec | OutfitSpec) -> Path:
 def read_spec(name_or_file: str | Path) -> GarmentSpec:
     """A shipped garment, or the garment spec in a YAML file or of a GarmentCode file (.json).
 
-    FileError for a name that is not shipped and a file that is not plain YAML (or JSON), SpecError (file, key path, what came, what is allowed) for its content.
+    FileError for an unknown name and a file that is not plain YAML (or JSON), SpecError (file, key path, what came, what is allowed) for its content.
     """
     path = spec_path(name_or_file)
     file = str(path)
