@@ -16,6 +16,9 @@ import yaml
 
 from garmentcad.errors import FileError
 
+# The parser of libyaml is six times as fast; a build of PyYAML may lack it. Its events alone are used: its composer recurses, and dies at great depth.
+_Events: Any = yaml._yaml.CParser if yaml.__with_libyaml__ else yaml.SafeLoader
+
 MAX_BYTES = 1_000_000
 MAX_DEPTH = 32
 MAX_NODES = 50_000
@@ -24,8 +27,6 @@ _INTEGER = re.compile(r"[-+]?[0-9]+")
 _FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
 _NOT_FINITE = re.compile(r"[-+]?\.(inf|Inf|INF|nan|NaN|NAN)")
 _NOT_ALLOWED = yaml.reader.Reader.NON_PRINTABLE
-# The parser of libyaml is six times as fast; a build of PyYAML may lack it.
-_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _WORDS = {"true": True, "True": True, "TRUE": True, "false": False, "False": False, "FALSE": False} | dict.fromkeys(("null", "Null", "NULL", "~", ""))
 
 
@@ -66,7 +67,7 @@ def parse_yaml(text: str, file: str) -> Any:
         raise FileError(f"line {line}: character {strange.group()!r} is not allowed; YAML files are UTF-8 text", file=file)
     try:
         # Events, not nodes: the event parser keeps its own stack, so that depth is seen before any recursion; the composer would recurse.
-        for event in yaml.parse(text, Loader=_LOADER):
+        for event in yaml.parse(text, Loader=_Events):
             builder.take(event)
     except yaml.MarkedYAMLError as fault:
         mark = fault.problem_mark or fault.context_mark
