@@ -24,6 +24,15 @@ def test_the_cap_counts_while_seams_close() -> None:
     assert any("did not close" in warning for warning in outcome.warnings)
 
 
+def test_seams_whose_turn_has_not_come_stand_open() -> None:
+    """The legs of the trousers are sewn first, the crotch seam afterwards."""
+    outcome = run(make_job("trousers", grid_mm=50.0, max_time_s=0.05), lambda progress: None)
+    later = [seam.name for seam in outcome.job.pattern.seams if seam.order > 1]
+    assert outcome.status == "max_time"
+    assert later
+    assert all(outcome.welding.gap_mm[name] > 1.0 for name in later)
+
+
 def test_what_is_stopped_while_tension_is_soft_is_judged_with_the_tension_of_its_fabric() -> None:
     outcome = stopped_at(2.2)
     assert (outcome.status, outcome.state.phase) == ("max_time", "fall")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -112,6 +113,16 @@ def test_a_folder_that_is_used_again_is_that_of_no_earlier_drape(tmp_path: Path)
     assert {path.name for path in tmp_path.rglob("*") if path.is_file()} == {"mine.txt", "cloth.npz", "maps.npz", "state.npz"}
     with pytest.raises(InputError, match=r"--out.*cannot be the folder of a result"):
         clear_folder(tmp_path / "mine.txt", movement=True)
+
+
+def test_packed_arrays_with_a_wrong_byte_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "torn.npz"
+    np.savez_compressed(path, a=np.arange(1000.0))
+    whole = path.read_bytes()
+    for at in range(40, len(whole) - 100, 23):
+        path.write_bytes(whole[:at] + bytes([whole[at] ^ 0xFF]) + whole[at + 1 :])
+        with suppress(InputError):
+            read_npz(path)
 
 
 def test_arrays_that_say_they_are_too_large_are_not_read(tmp_path: Path) -> None:

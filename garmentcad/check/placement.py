@@ -25,7 +25,7 @@ def check_moves(moves: list[Move], file: str | None = None) -> Iterator[Finding]
     for move in moves:
         yield Finding(
             "note", "panel-moved", file, f"panels.{move.panel}.placement", str(move),
-            "A few mm do no harm; change its placement, if it shall start elsewhere.",
+            "It is moved before the run starts; change its placement, if it shall start elsewhere.",
         )  # fmt: skip
 
 

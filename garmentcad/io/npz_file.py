@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import zipfile
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,8 @@ import numpy as np
 from garmentcad.errors import FileError
 
 MOST_BYTES = 2**31  # unpacked; a garment of 250,000 particles takes a tenth
+# RuntimeError: packed with a password, or in a way that is not known
+_FAULTS = (OSError, ValueError, EOFError, KeyError, AttributeError, MemoryError, RuntimeError, zipfile.BadZipFile, zipfile.LargeZipFile, zlib.error)
 
 
 def read_npz(path: str | Path, most_bytes: int = MOST_BYTES) -> dict[str, np.ndarray]:
@@ -23,5 +26,5 @@ def read_npz(path: str | Path, most_bytes: int = MOST_BYTES) -> dict[str, np.nda
             return {name: file[name] for name in file.files}
     except FileNotFoundError as error:
         raise FileError("no such file", file=str(path)) from error
-    except (OSError, ValueError, EOFError, KeyError, AttributeError, MemoryError, NotImplementedError, zipfile.BadZipFile, zipfile.LargeZipFile) as error:
+    except _FAULTS as error:
         raise FileError(f"cannot be read as a set of arrays ({type(error).__name__}: {error})", file=str(path)) from error

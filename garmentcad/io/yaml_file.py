@@ -73,6 +73,8 @@ def parse_yaml(text: str, file: str) -> Any:
         mark = fault.problem_mark or fault.context_mark
         what = " ".join(part for part in (fault.context, fault.problem) if part)
         raise FileError(f"line {mark.line + 1 if mark else '?'}: not valid YAML: {what}", file=file) from None
+    except yaml.YAMLError as fault:  # what else the parser of libyaml may say has no line
+        raise FileError(f"not valid YAML: {fault}", file=file) from None
     if builder.documents == 0:
         raise FileError("the file is empty; a YAML document is wanted", file=file)
     return builder.root

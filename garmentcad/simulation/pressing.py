@@ -58,7 +58,7 @@ def press(dynamics: Dynamics, state: State, job: Job, look: Callable[[Progress],
     while True:
         rms, since = dynamics.measures(state)[2], state.time_s - state.run["phase_from_s"]
         look(Progress(state.phase, state.step, state.time_s, None, None, rms, None))
-        if (since >= LEAST_S and rms < STILL_M_S) or since >= MOST_S:
+        if (since >= LEAST_S and rms < STILL_M_S) or since >= MOST_S or state.time_s >= job.max_time_s:
             break
         advance_or_retreat(dynamics, state)
     state.friction = dynamics.forces.drawn(state.positions, 0.0)

@@ -4,8 +4,8 @@ ones of their panels, or later where they say so, and stay, buttons on their sha
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -94,7 +94,10 @@ def close_seams(
         late = np.concatenate([order[order <= now], held[held <= now]]) < now
         welding = _close(dynamics, state, rows_where(hardware, held <= now), np.flatnonzero(order <= now), late, look, (pull_n_m * cloth.spacing, until_s))
         if state.time_s >= until_s:
-            break
+            # Seams whose turn has not come stand open, too.
+            a, b = (state.positions[cloth.stitches[order > now, side]] for side in (0, 1))
+            names = [cloth.seam_names[k] for k in cloth.stitch_seam[order > now]]
+            return replace(welding, gap_mm={**welding.gap_mm, **_worst_mm(names, np.linalg.norm(a - b, axis=1))})
     return welding
 
 
@@ -140,11 +143,17 @@ def _close(
         dynamics.constraint.least_share = np.where(between, min(1.0, leniency * LEAST_SHARE), LEAST_SHARE)
         dynamics.constraint.least_speed = np.where(late, SPEED_CAP_M_S, least_closing_speed(state.time_s - since))
         advance_or_retreat(dynamics, state)
+    worst = _worst_mm(names, gaps[:sewn])
+    redundant = tuple(name for name in dynamics.constraint.redundant if name in worst)
+    return Welding(worst, float(speeds[:sewn].max(initial=0.0)), redundant)
+
+
+def _worst_mm(names: Iterable[str], gaps: np.ndarray) -> dict[str, float]:
+    """The widest of the gaps (N,) m of each seam, mm."""
     worst: dict[str, float] = {}
     for name, gap in zip(names, gaps):
         worst[name] = max(worst.get(name, 0.0), float(gap) * 1e3)
-    redundant = tuple(name for name in dynamics.constraint.redundant if name in worst)
-    return Welding(worst, float(speeds[:sewn].max(initial=0.0)), redundant)
+    return worst
 
 
 def hold(dynamics: Dynamics, state: State, hardware: PointRows) -> None:
