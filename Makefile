@@ -37,6 +37,7 @@ study: $(VENV)/.installed
 	$(BIN)/python -m tools.cold_start_study
 	$(BIN)/python -m tools.garment_test_study
 	$(BIN)/python -m tools.wardrobe_study
+	$(BIN)/python -m tools.size_study
 	$(BIN)/python -m tools.soak_study
 	$(BIN)/python -m tools.movement_study
 	$(BIN)/python -m tools.outfit_study

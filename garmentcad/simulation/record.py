@@ -57,7 +57,8 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
     energy = outcome.dynamics.forces.energy(state.positions, state.friction) if finite else {}
     if finite:
         seams = _seams(outcome)
-    findings = [f"{name}: {finding}" for name, completed in job.fabrics.items() for finding in completed.findings if finding.severity != "info"]
+    sheets = {completed.sheet.name: completed for completed in job.fabrics.values()}
+    findings = [f"{name}: {finding}" for name, completed in sheets.items() for finding in completed.findings if finding.severity != "info"]
     fallen = _fallen(state.positions, body) if finite else []
     repairs = [f"mannequin {body.name}: {repair}" for repair in body.repairs]
     made = RunRecord(
