@@ -10,7 +10,7 @@ import pytest
 from garmentcad.analysis.seam_tension import SeamTension
 from garmentcad.io.mannequin_file import read_mannequin
 from garmentcad.simulation.job import make_job
-from garmentcad.simulation.record import _fallen, _torn
+from garmentcad.simulation.record import _fallen, _of_sheets, _torn
 
 
 @pytest.mark.parametrize(("strength", "told"), [(None, []), (90.0, []), (80.0, ["seam 'side_left' is pulled by up to 85 N/m; it holds 80 N/m"])])
@@ -25,3 +25,10 @@ def test_a_garment_below_the_floor_has_fallen() -> None:
     body = read_mannequin("woman-88")
     assert _fallen(np.array([[0.0, -0.3, 0.0], [0.0, 1.0, 0.0]]), body) == []
     assert _fallen(np.array([[0.0, -6.653, 0.0], [0.0, 1.0, 0.0]]), body) == ["the garment fell off: it hangs down to 6653 mm below the floor"]
+
+
+def test_what_a_sheet_lacks_is_told_by_its_own_name() -> None:
+    replaced = _of_sheets(make_job("knit-top", fabric="stretch-twill"))
+    assert replaced and all(warning.startswith("stretch-twill: ") for warning in replaced)
+    names = {warning.partition(": ")[0] for warning in _of_sheets(make_job("tucked-in"))}
+    assert names == {"interlock-knit"}, "a garment of an outfit knows its fabrics by their files"

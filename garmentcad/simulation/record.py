@@ -24,6 +24,7 @@ from garmentcad.geometry.intersection import crossing_triangle_pairs, crossing_t
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.pattern import Pattern, edge_roles
 from garmentcad.placement.place import place_vertices
+from garmentcad.simulation.job import Job
 from garmentcad.simulation.run import Outcome
 from garmentcad.solve.rest import patches, residual
 from garmentcad.units import M_TO_MM
@@ -57,8 +58,6 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
     energy = outcome.dynamics.forces.energy(state.positions, state.friction) if finite else {}
     if finite:
         seams = _seams(outcome)
-    sheets = {completed.sheet.name: completed for completed in job.fabrics.values()}
-    findings = [f"{name}: {finding}" for name, completed in sheets.items() for finding in completed.findings if finding.severity != "info"]
     fallen = _fallen(state.positions, body) if finite else []
     repairs = [f"mannequin {body.name}: {repair}" for repair in body.repairs]
     made = RunRecord(
@@ -102,7 +101,7 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
         },
         bands=_bands(outcome) if finite else {},
         uncalibrated=not all(is_calibrated(completed.sheet) for completed in job.fabrics.values()),
-        warnings=(*outcome.warnings, *_undone(job.pattern, held), *_torn(job.pattern, seams or {}), *fallen, *repairs, *findings),
+        warnings=(*outcome.warnings, *_undone(job.pattern, held), *_torn(job.pattern, seams or {}), *fallen, *repairs, *_of_sheets(job)),
     )
     roles = edge_roles(job.pattern)
     folds = {f"{panel.name}.{fold.name}": fold.points_mm for panel in job.pattern.panels.values() for fold in panel.folds}
@@ -134,6 +133,12 @@ def _fallen(positions: np.ndarray, body: Mannequin) -> list[str]:
     """A sentence for a garment that nothing holds up."""
     below = M_TO_MM * float(body.vertices[:, 1].min() - positions[:, 1].min())
     return [f"the garment fell off: it hangs down to {below:.0f} mm below the floor"] if below > FALLEN_MM else []
+
+
+def _of_sheets(job: Job) -> list[str]:
+    """What was noticed in the sheets, by the names that they give themselves: a pattern may know them by others (a fabric that is replaced, a file)."""
+    sheets = {completed.sheet.name: completed for completed in job.fabrics.values()}
+    return [f"{name}: {finding}" for name, completed in sheets.items() for finding in completed.findings if finding.severity != "info"]
 
 
 def _torn(pattern: Pattern, seams: dict[str, SeamTension | None]) -> list[str]:
