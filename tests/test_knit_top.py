@@ -12,7 +12,6 @@ from garmentcad.io.fabric_file import load_fabric
 from garmentcad.io.shipped import shipped_file
 from garmentcad.pattern.pattern import Pattern
 
-
 # By hand: 4.5, 6, 8, 10.25 and 7.5 % less than the bust; 80 more than the waist, for women less a fifteenth of what the bust has beyond 800.
 DRAFTED = {
     "woman-76": (725.8, 682.667), "woman-88": (827.2, 794.667), "woman-104": (956.8, 944.0), "woman-122": (1094.95, 1112.0), "man-100": (925.0, 960.0)
