@@ -84,10 +84,10 @@ def cut(positions: np.ndarray, triangles: np.ndarray, plane: Plane) -> list[Chai
     chain takes the first not yet used. Chains come in order of their first triangle.
     """
     height = positions @ plane.normal - plane.offset
-    above = height[triangles] >= 0.0
-    between = above != np.roll(above, -1, axis=1)  # by edge: corner and the next one lie on different sides
-    crossed = np.flatnonzero(between.any(axis=1))
-    first_corners = np.nonzero(between[crossed])[1].reshape(-1, 2)
+    above = (height >= 0.0)[triangles]
+    crossed = np.flatnonzero((above[:, 0] != above[:, 1]) | (above[:, 1] != above[:, 2]))
+    between = above[crossed] != np.roll(above[crossed], -1, axis=1)  # by edge: corner and the next one lie on different sides
+    first_corners = np.nonzero(between)[1].reshape(-1, 2)
     ends = np.stack([first_corners, (first_corners + 1) % 3], axis=2)
     corners = triangles[crossed[:, None, None], ends]  # (S, 2 ends, 2 particles)
     fraction = height[corners[..., 0]] / (height[corners[..., 0]] - height[corners[..., 1]])

@@ -76,14 +76,16 @@ def check_wearing(
 ) -> Iterator[Finding]:
     """Findings on an unsewn cloth at positions (V,3) m. SpecError where the seams cannot be welded."""
     seams = [seam.name for seam in pattern.seams]
-    worn, put_on = (_sewn(cloth, positions, names) for names in (seams, [seam.name for seam in pattern.seams if seam.closed is None]))
+    sewn = [seam.name for seam in pattern.seams if seam.closed is None]
+    worn = _sewn(cloth, positions, seams)
+    put_on = worn if sewn == seams else _sewn(cloth, positions, sewn)
     around = False
     for part in _parts(body):
         slack = _SLACK_M + _open_along(part.axis, positions, worn[0].vertex_particle)
         rings = _rings(pattern, *worn, part)
         around = around or bool(rings)
         yield from _check_ease(rings, part, slack, materials, file)
-        yield from _check_passing(_rings(pattern, *put_on, part), part, materials, file)
+        yield from _check_passing(rings if put_on is worn else _rings(pattern, *put_on, part), part, materials, file)
     if body.cylinders and not (around or pattern.buttons or pattern.pins or pattern.bands):
         yield Finding(
             "warning", "holds-nowhere", file, "panels",
@@ -141,7 +143,7 @@ def _parts(body: Mannequin) -> Iterator[_Part]:
 
 def _rings(pattern: Pattern, cloth: Cloth, positions: np.ndarray, part: _Part) -> list[Ring]:
     """The shortest ring at each level where there is one, and the openings of the garment around the part."""
-    flat, found = cloth.vertex_uv_mm[cloth.triangles], []
+    flat, particle_triangles, found = cloth.vertex_uv_mm[cloth.triangles], cloth.particle_triangles, []
     grain = np.radians([pattern.panels[name].grain_deg for name in cloth.panel_names])
     owner = cloth.vertex_panel[cloth.triangles[:, 0]]
     warp = np.stack([-np.sin(grain), np.cos(grain)], axis=1)[owner]
@@ -166,12 +168,12 @@ def _rings(pattern: Pattern, cloth: Cloth, positions: np.ndarray, part: _Part) -
 
     for level in part.levels.tolist():
         plane = Plane(part.axis, level)
-        chains = [chain for chain in cut(positions, cloth.particle_triangles, plane) if around(chain, plane)]
+        chains = [chain for chain in cut(positions, particle_triangles, plane) if around(chain, plane)]
         if chains:
             found.append(min((ring(level, chain.steps_on(flat), chain.triangles) for chain in chains), key=lambda found: found.length_mm))
-    for triangles, corners in openings(cloth.particle_triangles):
-        level = float((positions[cloth.particle_triangles[triangles, corners]] @ part.axis).mean())
-        seen = Chain(positions[cloth.particle_triangles[triangles, corners]], triangles, True, corners, corners, corners, corners)
+    for triangles, corners in openings(particle_triangles):
+        level = float((positions[particle_triangles[triangles, corners]] @ part.axis).mean())
+        seen = Chain(positions[particle_triangles[triangles, corners]], triangles, True, corners, corners, corners, corners)
         if part.levels[0] <= level <= part.levels[-1] and around(seen, Plane(part.axis, level)):
             found.append(ring(level, flat[triangles, (corners + 1) % 3] - flat[triangles, corners], triangles))
     return found
