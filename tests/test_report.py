@@ -156,3 +156,8 @@ def test_a_blank_report_has_the_keys_of_every_report() -> None:
     extra = {"versions.numpy", "versions.garmentcad", "energy_j.air"}  # what one run adds
     assert keys(blank_report()) == {key for key in made - extra if not key.startswith(own)}
     json.dumps(blank_report(), allow_nan=False)
+
+
+def test_the_docs_name_every_key() -> None:
+    page = (Path(__file__).resolve().parent.parent / "docs" / "results.md").read_text(encoding="utf-8")
+    assert [key for key in blank_report() if f"`{key}`" not in page and f"`{key}." not in page] == []
