@@ -1,4 +1,4 @@
-"""Makes docs/pictures: swatches in a soft and a stiff fabric, and the garments of the study. `python -m tools.pictures`"""
+"""Makes docs/pictures: swatches in a soft and a stiff fabric, and three garments in their own. `python -m tools.pictures`"""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from trimesh.creation import icosphere
 from garmentcad.cloth.lattice import rectangle_cloth
 from garmentcad.cloth.state import State
 from garmentcad.contact.contact import Contact
+from garmentcad.export.drape import drape
 from garmentcad.export.picture import render_picture
 from garmentcad.fabric.material import material_row, material_table, softened
 from garmentcad.forces.assembly import ForceAssembly
@@ -81,11 +82,8 @@ def side_by_side(pictures: list[Path], out: Path, height: int) -> None:
 
 if __name__ == "__main__":
     FOLDER.mkdir(parents=True, exist_ok=True)
-    found = [ROOT / "out" / "study" / f"{garment}-cotton-shirting-woman-88-10-mm" / "front.png" for garment in GARMENTS]
-    present = [path for path in found if path.exists()]
-    for garment, path in zip(GARMENTS, found, strict=True):
-        if path.exists():
-            (FOLDER / f"{garment}.png").write_bytes(path.read_bytes())
-    if present:
-        side_by_side(present, FOLDER / "garments.png", 700)
+    for garment in GARMENTS:
+        drape(garment, folder=ROOT / "out" / "pictures" / garment)
+        (FOLDER / f"{garment}.png").write_bytes((ROOT / "out" / "pictures" / garment / "front.png").read_bytes())
+    side_by_side([FOLDER / f"{garment}.png" for garment in GARMENTS], FOLDER / "garments.png", 700)
     side_by_side([swatch(kind, fabric) for kind in ("hung", "bias", "ball") for fabric in FABRICS], FOLDER / "swatches.png", 420)
