@@ -57,7 +57,10 @@ def main() -> None:
     command = "python -m tools.size_study"
     columns = {title: key for title, key in COLUMNS.items() if not title.startswith("ease")} | {f"{girth} mm": f"{girth}_both" for girth in GIRTHS}
     spreads = {"garment, fabric": "case", "bodies": "bodies", **{f"{girth} mm": f"{girth}:.1f" for girth in GIRTHS}}
-    said = "Largest minus smallest draped ease of one draft over all sizes, where all of them have one."
+    said = (
+        "Largest minus smallest draped ease of one draft over all sizes, where all of them have one. The flared skirt is a half circle on every body: it states no "
+        "ease at the hip, and what it has there goes with waist and hip."
+    )
     page = [f"# Ease between sizes at {GRID_MM:g} mm: {len(rows)} of {len(whole)} cases run", "", said, "", study_table(between_sizes(rows), spreads, command)]
     page += ["## Each size", "", "Ease as drafted / as it hangs.", "", study_table(drafted_and_draped(rows), columns, command)]
     write_atomic(FOLDER / "sizes.md", "\n".join(page))
