@@ -58,8 +58,8 @@ def main() -> None:
     columns = {title: key for title, key in COLUMNS.items() if not title.startswith("ease")} | {f"{girth} mm": f"{girth}_both" for girth in GIRTHS}
     spreads = {"garment, fabric": "case", "bodies": "bodies", **{f"{girth} mm": f"{girth}:.1f" for girth in GIRTHS}}
     said = (
-        "Largest minus smallest draped ease of one draft over all sizes, where all of them have one. The flared skirt is a half circle on every body: it states no "
-        "ease at the hip, and what it has there goes with waist and hip."
+        "Largest minus smallest draped ease of one draft over all sizes, where all of them have one. The flared skirt is a half circle on every body: it "
+        "states no ease at the hip, and what it has there goes with waist and hip."
     )
     page = [f"# Ease between sizes at {GRID_MM:g} mm: {len(rows)} of {len(whole)} cases run", "", said, "", study_table(between_sizes(rows), spreads, command)]
     page += ["## Each size", "", "Ease as drafted / as it hangs.", "", study_table(drafted_and_draped(rows), columns, command)]
