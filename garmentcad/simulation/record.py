@@ -137,8 +137,9 @@ def _fallen(positions: np.ndarray, body: Mannequin) -> list[str]:
 
 def _of_sheets(job: Job) -> list[str]:
     """What was noticed in the sheets, by the names that they give themselves: a pattern may know them by others (a fabric that is replaced, a file)."""
-    sheets = {completed.sheet.name: completed for completed in job.fabrics.values()}
-    return [f"{name}: {finding}" for name, completed in sheets.items() for finding in completed.findings if finding.severity != "info"]
+    sheets = job.fabrics.values()
+    told = (f"{completed.sheet.name}: {finding}" for completed in sheets for finding in completed.findings if finding.severity != "info")
+    return list(dict.fromkeys(told))  # one sheet may serve two garments
 
 
 def _torn(pattern: Pattern, seams: dict[str, SeamTension | None]) -> list[str]:
