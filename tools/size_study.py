@@ -5,16 +5,12 @@
 
 from __future__ import annotations
 
-import argparse
-import sys
-import time
-
 from garmentcad import __version__
 from garmentcad.io.atomic import write_atomic
 from garmentcad.io.shipped import shipped_file, shipped_names
 from garmentcad.io.spec_file import read_spec
-from garmentcad.simulation.study import Row, StudyCase, run_study, study_table
-from tools.wardrobe_study import BODIES, COLUMNS, FOLDER, GIRTHS, WOMEN, between_sizes, job_of, measured
+from garmentcad.simulation.study import Row, StudyCase, study_table
+from tools.wardrobe_study import BODIES, COLUMNS, FOLDER, GIRTHS, WOMEN, between_sizes, job_of, rows_within_minutes
 
 GRID_MM = 10.0
 OPEN = ("mens-shirt", "wrap-skirt")  # no level section of them closes around the body: they have no ease
@@ -43,17 +39,8 @@ def drafted_and_draped(rows: tuple[Row, ...]) -> list[Row]:
 
 def main() -> None:
     """Run the study and write its page."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--minutes", type=float, default=1e9)
-    parser.add_argument("only", nargs="?")
-    options = parser.parse_args()
-    end = time.monotonic() + 60.0 * options.minutes
     whole = cases()
-    for case in whole:
-        if time.monotonic() < end and (options.only is None or options.only in case.name):
-            for name, message in run_study("sizes", [case], measured, FOLDER, say=print).failed.items():
-                print(f"refused: {name}: {message}", file=sys.stderr)
-    rows = run_study("sizes", whole, measured, FOLDER, only="\0").rows
+    rows = rows_within_minutes("sizes", whole, __doc__)
     command = "python -m tools.size_study"
     columns = {title: key for title, key in COLUMNS.items() if not title.startswith("ease")} | {f"{girth} mm": f"{girth}_both" for girth in GIRTHS}
     spreads = {"garment, fabric": "case", "bodies": "bodies", **{f"{girth} mm": f"{girth}:.1f" for girth in GIRTHS}}

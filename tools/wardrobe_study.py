@@ -21,7 +21,7 @@ from garmentcad.io.atomic import write_atomic
 from garmentcad.io.shipped import shipped_file, shipped_names
 from garmentcad.io.spec_file import read_spec
 from garmentcad.simulation.job import Job, make_job
-from garmentcad.simulation.study import Row, StudyCase, StudyRun, run_study, study_table
+from garmentcad.simulation.study import Row, StudyCase, run_study, study_table
 from tools.judges import crosses, least_distance_mm
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -95,22 +95,28 @@ def between_sizes(rows: Sequence[Row]) -> list[Row]:
     return found
 
 
-def main() -> None:
-    """Run the study and write its page."""
-    parser = argparse.ArgumentParser(description=__doc__)
+def rows_within_minutes(name: str, whole: Sequence[StudyCase], description: str | None) -> tuple[Row, ...]:
+    """Run the cases that the command line asks for (`--minutes`, TEXT) and that have no row yet; all rows. What is refused is named at the end."""
+    parser = argparse.ArgumentParser(description=description)
     parser.add_argument("--minutes", type=float, default=1e9)
     parser.add_argument("only", nargs="?")
     options = parser.parse_args()
     end = time.monotonic() + 60.0 * options.minutes
-    whole = cases()
-    study = StudyRun((), (), {})
+    failed: dict[str, str] = {}
     for case in whole:
         if time.monotonic() > end:
             break
         if options.only is None or options.only in case.name:
-            one = run_study("wardrobe", [case], measured, FOLDER, say=print)
-            study.failed.update(one.failed)
-    rows = run_study("wardrobe", whole, measured, FOLDER, only="\0").rows
+            failed |= run_study(name, [case], measured, FOLDER, say=print).failed
+    for case_name, message in failed.items():
+        print(f"refused: {case_name}: {message}", file=sys.stderr)
+    return run_study(name, whole, measured, FOLDER, only="\0").rows
+
+
+def main() -> None:
+    """Run the study and write its page."""
+    whole = cases()
+    rows = rows_within_minutes("wardrobe", whole, __doc__)
     clean = sum(row["status"] == "converged" and not row["crosses"] and row["least_distance_mm"] >= 0.0 for row in rows)
     title = f"The wardrobe at {GRID_MM:g} mm: {len(rows)} of {len(whole)} cases run, {clean} of them at rest without an intersection or a penetration"
     command = "python -m tools.wardrobe_study"
@@ -119,8 +125,6 @@ def main() -> None:
     said = "Largest minus smallest draped ease of one draft over all sizes."
     page = [f"# {title}", "", study_table(rows, COLUMNS, command), f"As drafted, but for {'; '.join(own)}.", "", "## Ease between sizes", "", said, ""]
     write_atomic(FOLDER / "wardrobe.md", "\n".join([*page, study_table(between_sizes(rows), spreads, command)]))
-    for name, message in study.failed.items():
-        print(f"refused: {name}: {message}", file=sys.stderr)
 
 
 if __name__ == "__main__":
