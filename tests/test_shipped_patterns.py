@@ -135,6 +135,11 @@ def test_t_shirt_girths_neckline_and_cap(body: str) -> None:
     pattern, given = drafted("t-shirt", body), measurements(body)
     front, back, sleeve, band = (pattern.panels[name] for name in ("front", "back", "sleeve_left", "neckband"))
     assert 2.0 * (front.points["underarm"][0] + back.points["underarm"][0]) == pytest.approx(given["bust"] + 120.0)
+    assert 2.0 * (front.points["waist_side"][0] + back.points["waist_side"][0]) == pytest.approx(given["bust"] + 120.0), "straight to the waist"
+    assert front.points["waist_side"][1] == back.points["waist_side"][1] == -given["nape_to_waist"]
+    # By hand: 20 below the armscye line, and an eighth of what the bust has beyond 1000, 24 at most.
+    depth = {"woman-76": 218.0, "woman-88": 230.0, "woman-104": 251.0, "woman-122": 288.0, "man-100": 264.0}[body]
+    assert [panel.points["underarm"][1] for panel in (front, back)] == pytest.approx([-depth, -depth])
     assert edge_length(front, "hem", "hem_m") + edge_length(back, "hem", "hem_m") == pytest.approx(max(given["bust"] + 120.0, given["hip"] + 60.0))
     opening = edge_length(front, "neck", "neck_m", "neck_side", "neck_side_m") + edge_length(back, "neck", "neck_m", "neck_side", "neck_side_m")
     assert opening == pytest.approx(edge_length(band, "seam_back", "seam_front"), abs=1e-6)
