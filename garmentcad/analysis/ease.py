@@ -22,7 +22,8 @@ from garmentcad.units import M_TO_MM, MM_TO_M
 GIRTHS = ("bust", "waist", "hip")
 EASE_LINES = (*GIRTHS, *LIMB_LINES)
 # A waistband ends at the waist: where the plane at the height itself finds no whole loop, the nearest of these levels that does is taken, and named.
-LEVEL_STEP_MM = 5.0
+# A step is far below a band's height, so that the level lies within the band's top and not where it has already widened.
+LEVEL_STEP_MM = 1.0
 LEVEL_REACH_MM = 25.0
 
 
@@ -56,7 +57,7 @@ def girth_at(cloth: Cloth, positions: np.ndarray, axis: np.ndarray, height_mm: f
 
 
 def girth_near(cloth: Cloth, positions: np.ndarray, axis: np.ndarray, height_mm: float) -> Girth | None:
-    """`girth_at` the height, or at the nearest level within 25 mm (5 mm steps, lower first) where the garment closes around the body."""
+    """`girth_at` the height, or at the nearest level within 25 mm (1 mm steps, lower first) where the garment closes around the body."""
     for step in range(int(LEVEL_REACH_MM / LEVEL_STEP_MM) + 1):
         for sign in (-1.0, 1.0)[: 1 if step == 0 else 2]:
             girth = girth_at(cloth, positions, axis, height_mm + sign * step * LEVEL_STEP_MM)
