@@ -7,8 +7,9 @@ import pytest
 from force_checks import balance_error, gradient_error, stiffness_over_bound
 from small_cloth import KINDS, deformed, flat, materials, small_cloth
 
-from garmentcad.forces.force import NO_PARTICLE
-from garmentcad.forces.internal import BINS, dealt, internal_forces
+from garmentcad.fabric.material import softened
+from garmentcad.forces.force import NO_PARTICLE, Force
+from garmentcad.forces.internal import BINS, dealt, internal_forces, soften
 from garmentcad.forces.lattice import ForceLattice
 from garmentcad.forces.time_step import highest_frequency
 
@@ -56,6 +57,30 @@ def test_damping_ratio_of_the_highest_mode() -> None:
         used = force.corners != NO_PARTICLE
         np.add.at(stiffness, force.corners[used], corner_stiffness[used])
     assert 0.5 * tau.pop() * highest_frequency(stiffness, CLOTH.masses) == pytest.approx(0.15, rel=1e-6)
+
+
+def acts(force: Force, positions: np.ndarray, velocities: np.ndarray) -> list[np.ndarray]:
+    """Forces, bounds of stiffness, sliders that have moved, energies."""
+    sliders, forces, bounds = force.slack(), np.zeros((len(force.corners), 3)), np.zeros(len(force.corners))
+    force.write_forces(positions, velocities, forces, sliders)
+    force.write_stiffness(positions, bounds)
+    return [forces, bounds, sliders, np.array(list(force.energies(positions, sliders).values()))]
+
+
+@pytest.mark.parametrize("last", [3.0, 1.0])
+def test_softened_again_and_again_they_are_those_of_the_softened_fabric(last: float) -> None:
+    """Of cloth in motion with internal friction, damping included: as if they had been made so."""
+    rough = materials(friction=1.0)
+    positions = deformed(CLOTH, "crumpled", seed=4)
+    velocities = 0.1 * np.random.default_rng(5).standard_normal(positions.shape)
+    found = internal_forces(CLOTH, rough)
+    before = acts(found[0], positions, velocities)
+    for softness in (64.0, last):
+        soften(found, CLOTH, rough, softness)
+    for force, expected in zip(found, internal_forces(CLOTH, softened(rough, last))):
+        for one, other in zip(acts(force, positions, velocities), acts(expected, positions, velocities)):
+            assert np.array_equal(one, other)
+    assert np.array_equal(before[0], acts(found[0], positions, velocities)[0]) == (last == 1.0)
 
 
 @pytest.mark.parametrize("blocks", [1, 5, 6, 11, 40])

@@ -6,6 +6,7 @@ import math
 import os
 import subprocess
 import sys
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -19,10 +20,10 @@ from garmentcad.cloth.state import State
 from garmentcad.contact.contact import Contact
 from garmentcad.fabric.law_bending import STICK
 from garmentcad.fabric.law_shear import stick_way
-from garmentcad.fabric.material import MaterialTable, softened
+from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.gravity import ForceGravity
-from garmentcad.forces.internal import internal_forces
+from garmentcad.forces.internal import internal_forces, soften
 from garmentcad.simulation.checkpoint import load_state, save_state
 from garmentcad.simulation.course import Course
 from garmentcad.solve.dynamics import Dynamics
@@ -229,13 +230,10 @@ def test_drape_mode_leaves_no_trace_of_its_softness() -> None:
     cloth = rectangle_cloth(60.0, 300.0, 20.0, 0.0, materials)
     start = np.column_stack([cloth.vertex_uv_mm * 1e-3, np.zeros(cloth.particle_count)])
     dynamics = moving(cloth, materials, start[:, 1] > 0.2999, gravity)
-
-    def forces_at(softness: float) -> ForceAssembly:
-        return ForceAssembly(internal_forces(cloth, softened(materials, softness)), cloth.particle_count, [ForceGravity(cloth.masses, gravity)])
-
     state = State(start.copy(), np.zeros_like(start), phase="fall", run={"phase_from_s": 0.0})
     dynamics.start(state)
-    assert Course(dynamics, forces_at, "drape", 20.0).run(state, lambda progress: None) == "converged"
+    softer = partial(soften, dynamics.forces.forces, cloth, materials)
+    assert Course(dynamics, softer, "drape", 20.0).run(state, lambda progress: None) == "converged"
     bottom = start[:, 1] < 1e-4
     longer = float((start[bottom, 1] - state.positions[bottom, 1]).mean())
     assert longer == pytest.approx(MASS * gravity * 0.3**2 / (2.0 * 600.0), rel=0.05)

@@ -78,8 +78,8 @@ def measured(case: str, job: Job, phase: str, look: int) -> Row:
     state = state_at(job, phase, look)
     materials, material_of = lay_out(job)
     cloth, _ = weld(build_cloth(job.pattern, material_of, materials, job.grid_mm))
-    dynamics, forces_at = make_dynamics(job, cloth, materials, state.fold_angles)
-    course, contact = Course(dynamics, forces_at, job.mode, job.max_time_s), dynamics.contact
+    dynamics, soften_all = make_dynamics(job, cloth, materials, state.fold_angles)
+    course, contact = Course(dynamics, soften_all, job.mode, job.max_time_s), dynamics.contact
     course.set_phase(state)
     dynamics.advance(state, 1)
     looks, each, missed, seen, fastest = 0, 0.0, 0, 0, 0.0

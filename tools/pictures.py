@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -13,10 +14,10 @@ from garmentcad.cloth.state import State
 from garmentcad.contact.contact import Contact
 from garmentcad.export.drape import drape
 from garmentcad.export.picture import render_picture
-from garmentcad.fabric.material import material_row, material_table, softened
+from garmentcad.fabric.material import material_row, material_table
 from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.gravity import ForceGravity
-from garmentcad.forces.internal import internal_forces
+from garmentcad.forces.internal import internal_forces, soften
 from garmentcad.io.fabric_file import fabric_path, load_fabric
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.simulation.course import Course
@@ -56,16 +57,13 @@ def swatch(kind: str, fabric: str) -> Path:
     top = positions[:, 1].max()
     held = (positions[:, 1] > top - 1e-6) & ((np.abs(flat[:, 0]) > 0.149) | (kind == "bias")) if kind != "ball" else np.zeros(len(flat), dtype=bool)
     positions += 1e-5 * np.random.default_rng(0).standard_normal(positions.shape)
-
-    def forces_at(softness: float) -> ForceAssembly:
-        return ForceAssembly(internal_forces(cloth, softened(materials, softness)), cloth.particle_count, [ForceGravity(cloth.masses)])
-
+    forces = ForceAssembly(internal_forces(cloth, materials), cloth.particle_count, [ForceGravity(cloth.masses)])
     body = ball(0.06) if kind == "ball" else None
     contact = Contact(cloth, materials, None if body is None else (body.vertices, body.faces))
-    dynamics = Dynamics(cloth, forces_at(1.0), strain_limit(cloth, materials), contact, held)
+    dynamics = Dynamics(cloth, forces, strain_limit(cloth, materials), contact, held)
     state = State(positions, np.zeros_like(positions), phase="fall", run={"phase_from_s": 0.0})
     dynamics.start(state)
-    status = Course(dynamics, forces_at, "drape", 15.0).run(state, lambda progress: None)
+    status = Course(dynamics, partial(soften, forces.forces, cloth, materials), "drape", 15.0).run(state, lambda progress: None)
     print(kind, fabric, status, f"{state.time_s:.1f} s", flush=True)
     return render_picture(FOLDER / f"swatch-{kind}-{fabric}.png", state.positions, cloth, body, "three-quarter")
 

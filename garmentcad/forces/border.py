@@ -27,7 +27,7 @@ from garmentcad.fabric.law_tension import WAY
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.force import CURVES, Gauge, OneLaw
 from garmentcad.forces.rows import PART
-from garmentcad.forces.shear import SHORTEST, ShearCurves, angle_and_lengths, largest_shear_stiffness, shear_angle, shear_curves, shear_energy_at
+from garmentcad.forces.shear import SHORTEST, angle_and_lengths, largest_shear_stiffness, shear_angle, shear_curves, shear_energy_at
 from garmentcad.forces.stretch import COEFFICIENTS, tension_coefficients, tension_force
 from garmentcad.forces.tension_curves import largest_tension_at, tension_curves, tension_energy_at
 
@@ -218,13 +218,17 @@ class ForceBorder(OneLaw):
         self._of_entry = np.repeat(np.arange(len(sizes)), sizes)
         self._patch_area = np.bincount(self._of_entry, weights=border.area[border.patch_triangle], minlength=len(sizes))
         self._patch_curve = indices(2 * border.patch_material[:, None] + np.array([WARP, WEFT]))
-        self._shear = shear_curves(materials, border.material)
-        self._curves = tension_curves(materials)
-        tension = np.concatenate([tension_coefficients(self._curves, self._patch_curve[:, axis]) for axis in (WARP, WEFT)])
-        self._parts = _parts(border, self._shear, self._patch_area, tension)
+        self._parts = _parts(border, self._patch_area)
+        self.set_plane(materials)
         self.way = np.concatenate([self._shear.way, WAY * self._curves.em[self._patch_curve].ravel()])
         self.damping_time = damping_time
         self.corners = indices(border.corners).ravel()
+
+    def set_plane(self, materials: MaterialTable) -> None:
+        """From now on tension and shear are those of other materials; what strains mean, and where friction gives way, must be the same."""
+        self._shear, self._curves = shear_curves(materials, self._border.material), tension_curves(materials)
+        tension = np.concatenate([tension_coefficients(self._curves, self._patch_curve[:, axis]) for axis in (WARP, WEFT)])
+        self._parts = self._parts._replace(shear=np.stack(self._shear), tension=floats(tension[:, self._parts.patch_of]))
 
     @property
     def arguments(self) -> tuple[Any, ...]:
@@ -319,7 +323,8 @@ def _in_order(border: BorderTriangles) -> BorderTriangles:
     return border._replace(patch=patch, patch_start=starts, patch_triangle=indices(rows // 3), **fields)
 
 
-def _parts(border: BorderTriangles, shear: ShearCurves, patch_area: np.ndarray, tension: np.ndarray) -> BorderParts:
+def _parts(border: BorderTriangles, patch_area: np.ndarray) -> BorderParts:
+    """Without the curves."""
     triangles, patches, own_patches, entry_counts, entries, weights = [], [], [], [], [], []
     none = np.empty(0, dtype=np.int64)
     for first in range(0, len(border.area), PART):
@@ -348,10 +353,10 @@ def _parts(border: BorderTriangles, shear: ShearCurves, patch_area: np.ndarray, 
         owned,
         floats(patch_area[every_patch] / 3.0),
         np.array(border.area),
-        np.stack(shear),
+        np.empty((4, 0)),
         indices(np.concatenate([np.empty((0, 3), dtype=np.int64), *own_patches]).T),
         indices(np.cumsum([0, *entry_counts])),
         indices(np.concatenate([none, *entries])),
         floats(np.concatenate([none, *weights])),
-        floats(tension[:, every_patch]),
+        np.empty((2 * COEFFICIENTS, 0)),
     )

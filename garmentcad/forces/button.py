@@ -39,11 +39,6 @@ def no_shanks() -> Shanks:
     return Shanks(np.zeros((0, 2, 3), np.int32), np.zeros((0, 2, 3)), np.zeros(0), np.zeros(0), np.zeros(0))
 
 
-def yielding(shanks: Shanks, softness: float) -> Shanks:
-    """Shanks whose stiffness is divided by softness >= 1; their damping ratio stays."""
-    return shanks._replace(stiffness=shanks.stiffness / softness, damping=shanks.damping / math.sqrt(softness))
-
-
 @kernel
 def _end(shanks, button, side, positions):  # type: ignore[no-untyped-def]
     point = 0.0, 0.0, 0.0
@@ -117,8 +112,13 @@ class ForceButton(OneLaw):
     name = "button"
 
     def __init__(self, shanks: Shanks) -> None:
-        self.shanks = shanks
+        self.shanks = self._made = shanks
         self.corners = shanks.particles.ravel()
+
+    def soften(self, softness: float) -> None:
+        """From now on the stiffness that they were made with is divided by softness >= 1; their damping ratio stays."""
+        made = self._made
+        self.shanks = made._replace(stiffness=made.stiffness / softness, damping=made.damping / math.sqrt(softness))
 
     def write_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray, sliders: np.ndarray | None = None) -> None:
         write_shanks(self.shanks, positions, velocities, out)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -9,7 +10,7 @@ from numba import prange
 
 from garmentcad.arrays import indices, inlined, long_kernel, parallel_kernel
 from garmentcad.cloth.cloth import Cloth
-from garmentcad.fabric.material import MaterialTable
+from garmentcad.fabric.material import MaterialTable, softened
 from garmentcad.forces import bend as bend_lines
 from garmentcad.forces.band import ForceBand, no_bands, write_bands
 from garmentcad.forces.bend import bend_part
@@ -135,13 +136,27 @@ def internal_forces(
     Damping acts along the strain rates of stretch, shear and border with one time tau, so that the highest in-plane mode at rest, the stiffest of the cloth,
     has about `damping_ratio` (0 for none); lower modes have less in proportion to their frequency. Rigid motion is not damped.
     """
-    damped: list[ForceLattice | ForceBorder] = [ForceLattice(cloth, materials, arcs=arcs), ForceBorder(cloth, materials)]
-    stiffness = np.zeros(cloth.particle_count)
-    for force in damped:
+    damped = ForceLattice(cloth, materials, arcs=arcs), ForceBorder(cloth, materials)
+    _damp(*damped, cloth.masses, damping_ratio)
+    return [*damped, contour_lines(cloth, materials), ForceSpan(cloth, materials), ForceHinge(cloth, materials, fold_angles)]
+
+
+def soften(forces: Sequence[Force], cloth: Cloth, materials: MaterialTable, softness: float, damping_ratio: float = DAMPING_RATIO) -> None:
+    """From now on `forces`, those that `internal_forces` made of `materials` with this damping, are those of materials that are `softened`."""
+    lattice, border = forces[:2]
+    assert isinstance(lattice, ForceLattice)
+    assert isinstance(border, ForceBorder)
+    soft = softened(materials, softness)
+    lattice.set_plane(soft)
+    border.set_plane(soft)
+    _damp(lattice, border, cloth.masses, damping_ratio)
+
+
+def _damp(lattice: ForceLattice, border: ForceBorder, masses: np.ndarray, ratio: float) -> None:
+    stiffness = np.zeros(len(masses))
+    for force in (lattice, border):
         corner_stiffness = np.empty(len(force.corners))
         force.write_rest_stiffness(corner_stiffness)
         used = force.corners != NO_PARTICLE
         stiffness += np.bincount(force.corners[used], weights=corner_stiffness[used], minlength=len(stiffness))
-    for force in damped:
-        force.damping_time = internal_damping_time(stiffness, cloth.masses, damping_ratio)
-    return [*damped, contour_lines(cloth, materials), ForceSpan(cloth, materials), ForceHinge(cloth, materials, fold_angles)]
+    lattice.damping_time = border.damping_time = internal_damping_time(stiffness, masses, ratio)

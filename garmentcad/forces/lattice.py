@@ -183,10 +183,7 @@ class ForceLattice:
         self._blocks, self._spacing = slots.blocks, cloth.spacing
         self._coefficients = aligned_zeros(_C_ALL, count)
         self._coefficients[_WAYS] = NEVER
-        if stretch in self.laws:
-            stretch.write_rows(self._coefficients[:_C_CELL])
-        if shear in self.laws:
-            shear.write_rows(self._coefficients[_C_CELL : _C_CELL + 5])
+        self._write_plane()
         if twist in self.laws:
             twist.write_rows(self._coefficients[_C_CELL + 5 : _C_BEND])
         if bend in self.laws:
@@ -194,6 +191,20 @@ class ForceLattice:
         numba.get_num_threads()  # starts the threads: before that a thread has no number by which it finds its room
         self._rooms = aligned_zeros(numba.config.NUMBA_NUM_THREADS, _ALL, slots.room)  # type: ignore[attr-defined]
         self.corners = slots.blocks.particle
+
+    def set_plane(self, materials: MaterialTable) -> None:
+        """From now on tension and shear are those of other materials; what strains mean, and where friction gives way, must be the same."""
+        for law in self.laws:
+            if isinstance(law, LawStretch | LawShear):
+                law.set_curves(materials)
+        self._write_plane()
+
+    def _write_plane(self) -> None:
+        for law in self.laws:
+            if isinstance(law, LawStretch):
+                law.write_rows(self._coefficients[:_C_CELL])
+            elif isinstance(law, LawShear):
+                law.write_rows(self._coefficients[_C_CELL : _C_CELL + 5])
 
     @property
     def arguments(self) -> tuple[Any, ...]:

@@ -93,11 +93,14 @@ class LawShear:
         self._cells, self._neighbours = cloth.cells, cell_neighbours(cloth, slots)
         if not arcs:
             self._neighbours[:] = NO_PARTICLE
-        self._curves = shear_curves(materials, cloth.cells.material)
+        self.set_curves(materials)
         self._arcs = np.where(self._neighbours[:, 0] == NO_PARTICLE, 0.0, SHARE / cloth.cells.spacing**2)
         self.corners = indices(np.concatenate([cloth.cells.corners.ravel(), self._neighbours.ravel()]))
         self.way = self._curves.way
         self.at = cell_slots(cloth.cells, slots)
+
+    def set_curves(self, materials: MaterialTable) -> None:
+        self._curves = shear_curves(materials, self._cells.material)
 
     def write_rows(self, out: np.ndarray) -> None:
         """Into out (5,S), of the cell whose corner 00 is at the slot: G_e A and the stick spring's two times A [J], d [rad], SHARE/h^2 [1/m2]."""

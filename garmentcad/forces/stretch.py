@@ -97,7 +97,7 @@ class LawStretch:
     def __init__(self, cloth: Cloth, materials: MaterialTable, slots: LatticeSlots) -> None:
         self._links = links = cloth.links
         self._curve = 2 * links.material + links.direction
-        self._curves = tension_curves(materials)
+        self.set_curves(materials)
         self.corners = links.ends.ravel()
         self.way = WAY * self._curves.em[self._curve]
         a, b = slots.slot[links.ends].T
@@ -107,6 +107,9 @@ class LawStretch:
             if not (np.maximum(a, b) - first == slots.step(first, direction))[mine].all():
                 raise ValueError("a link does not join two neighbours of the lattice")
         self.at = np.where(links.direction == WEFT, first, slots.count + first)
+
+    def set_curves(self, materials: MaterialTable) -> None:
+        self._curves = tension_curves(materials)
 
     def write_rows(self, out: np.ndarray) -> None:
         """Coefficients of the weft links and then of the warp links into out (8,S)."""

@@ -13,6 +13,7 @@ import math
 from collections.abc import Callable
 from copy import deepcopy
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -22,10 +23,10 @@ from garmentcad.cloth.lattice import panel_cloth
 from garmentcad.cloth.state import State
 from garmentcad.contact.contact import Contact
 from garmentcad.errors import InputError
-from garmentcad.fabric.material import MaterialTable, softened
+from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.gravity import ForceGravity
-from garmentcad.forces.internal import internal_forces
+from garmentcad.forces.internal import internal_forces, soften
 from garmentcad.geometry.curve import Arc
 from garmentcad.pattern.pattern import Edge, Panel, Transform
 from garmentcad.rigs.shadow import Shadow, cast_shadow, drape_coefficient
@@ -114,7 +115,7 @@ class Drapemeter:
         before = drape.state
         positions = refined(other.cloth, before.positions, self.cloth)
         positions[self._fixed] = self._spread(np.zeros(len(positions)))[self._fixed]
-        friction = refined_sliders(other.cloth, other._forces(1.0), before, self.cloth, self._forces(1.0), positions)
+        friction = refined_sliders(other.cloth, other._forces(), before, self.cloth, self._forces(), positions)
         state = State(positions, np.zeros_like(positions), before.time_s, before.step, phase="settle", friction=friction, run={"phase_from_s": before.time_s})
         return self._to_rest(state, before.time_s + MAX_TIME_S)
 
@@ -123,7 +124,7 @@ class Drapemeter:
         state = deepcopy(drape.state)
         state.phase, state.run, end = "watch", {}, state.time_s + seconds
         dynamics = self._dynamics(state)
-        Course(dynamics, self._forces, "dynamics", end).set_phase(state)
+        self._course(dynamics, "dynamics", end).set_phase(state)
         while state.time_s < end:
             dynamics.advance(state, STEPS_PER_LOOK)
         return self._read(drape.status, state)
@@ -139,18 +140,20 @@ class Drapemeter:
                 weight.gravity = GRAVITY_M_S2 * part.load((state.time_s - began) / part.seconds)
                 advance_or_retreat(dynamics, state)
 
-    def _forces(self, softness: float, weight: ForceGravity | None = None) -> ForceAssembly:
-        laws = internal_forces(self.cloth, softened(self._materials, softness))
-        return ForceAssembly(laws, self.cloth.particle_count, [weight or ForceGravity(self.cloth.masses)])
+    def _forces(self, weight: ForceGravity | None = None) -> ForceAssembly:
+        return ForceAssembly(internal_forces(self.cloth, self._materials), self.cloth.particle_count, [weight or ForceGravity(self.cloth.masses)])
+
+    def _course(self, dynamics: Dynamics, mode: str, until_s: float) -> Course:
+        return Course(dynamics, partial(soften, dynamics.forces.forces, self.cloth, self._materials), mode, until_s)
 
     def _dynamics(self, state: State, weight: ForceGravity | None = None) -> Dynamics:
         contact = Contact(self.cloth, self._materials)
-        dynamics = Dynamics(self.cloth, self._forces(1.0, weight), strain_limit(self.cloth, self._materials), contact, fixed=self._fixed)
+        dynamics = Dynamics(self.cloth, self._forces(weight), strain_limit(self.cloth, self._materials), contact, fixed=self._fixed)
         dynamics.start(state)
         return dynamics
 
     def _to_rest(self, state: State, until_s: float) -> Drape:
-        status = Course(self._dynamics(state), self._forces, "drape", until_s).run(state, lambda progress: None)
+        status = self._course(self._dynamics(state), "drape", until_s).run(state, lambda progress: None)
         return self._read(status, state)
 
     def _read(self, status: str, state: State) -> Drape:

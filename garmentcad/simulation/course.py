@@ -10,7 +10,6 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from garmentcad.cloth.state import State
-from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.force import TENSION
 from garmentcad.solve.dynamics import STEPS_PER_ESTIMATE, DivergedError, Dynamics
 from garmentcad.solve.rest import PATCH_RESIDUAL_G, RESIDUAL_G, Residual, mean_over, patches, residual
@@ -103,7 +102,7 @@ def advance_or_retreat(dynamics: Dynamics, state: State) -> bool:
 class Course:
     """Runs the phases after sewing on welded cloth, and looks every STEPS_PER_LOOK steps. All that decides lies in `state`: a resumed run decides alike.
 
-    forces_at(softness): the forces with tension divided by softness. max_time_s: cap on simulated time.
+    soften(softness): divides tension of its forces by another softness. max_time_s: cap on simulated time.
     softness: of the fall in mode 'drape'. last: whether this is the lattice of the job; on a coarser one the course is over when most of the fall is. buttoned:
     whether the garment has buttons.
     mode: 'drape' (equalised masses, damping of fall and settle) or 'dynamics' (true masses, light damping).
@@ -112,14 +111,14 @@ class Course:
     def __init__(
         self,
         dynamics: Dynamics,
-        forces_at: Callable[[float], ForceAssembly],
+        soften: Callable[[float], None],
         mode: str,
         max_time_s: float,
         softness: float = SOFTNESS,
         last: bool = True,
         buttoned: bool = False,
     ) -> None:
-        self.dynamics, self.forces_at, self.mode, self.max_time_s, self.is_last = dynamics, forces_at, mode, max_time_s, last
+        self.dynamics, self.soften, self.mode, self.max_time_s, self.is_last = dynamics, soften, mode, max_time_s, last
         self._softness, self._buttoned = softness, buttoned
         self._patch = patches(dynamics.cloth)
         self._rest_length = dynamics.cloth.links.rest_length
@@ -156,7 +155,8 @@ class Course:
                 state.run[_SLIPS] = float(np.count_nonzero(tight) > TIGHT_LINKS * len(tight))
         dynamics.contact.let_slip(state.phase == "fall" and state.run.get(_SLIPS, 0.0) > 0.0)
         if softness != dynamics.softness:
-            dynamics.forces, dynamics.softness = self.forces_at(softness), softness
+            self.soften(softness)
+            dynamics.softness = softness
         drags: dict[str, float | np.ndarray] = {"fall": FALL_DRAG, "settle": state.contact.get("settle_drag", SETTLE_DRAG), "watch": WATCH_DRAG}
         dynamics.drag = drags[state.phase] if self.mode == "drape" else AIR_DRAG
 

@@ -23,14 +23,14 @@ from garmentcad.constraints.points import PointRows
 from garmentcad.contact.contact import Contact
 from garmentcad.contact.path import BodyPath
 from garmentcad.errors import GarmentError, LimitError
-from garmentcad.fabric.material import MaterialTable, softened, without_friction
+from garmentcad.fabric.material import MaterialTable, without_friction
 from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.band import ForceBand
 from garmentcad.forces.band_lines import band_segments
-from garmentcad.forces.button import ForceButton, yielding
+from garmentcad.forces.button import ForceButton
 from garmentcad.forces.force import Force
 from garmentcad.forces.gravity import ForceGravity
-from garmentcad.forces.internal import internal_forces
+from garmentcad.forces.internal import internal_forces, soften
 from garmentcad.geometry.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.outfit import below
@@ -166,7 +166,7 @@ class _Run:
                 failed = self._press(flat, cloth, hardware)
                 if failed is not None:
                     return failed
-            dynamics, forces_at = make_dynamics(self.job, cloth, self.materials, self.state.fold_angles)
+            dynamics, soften_all = make_dynamics(self.job, cloth, self.materials, self.state.fold_angles)
             if before is not None:
                 self.state = _refined_state(before, self.state, (cloth, dynamics.forces), level, self.job.mannequin)
             hold(dynamics, self.state, pin_rows(hardware))
@@ -175,7 +175,7 @@ class _Run:
             self._begin()
             last = level == len(grids) - 1
             softness = SOFTNESS if self.job.pattern.seams else LOOSE_SOFTNESS
-            course = Course(dynamics, forces_at, self.job.mode, self.job.max_time_s, softness, last, bool(self.job.pattern.buttons))
+            course = Course(dynamics, soften_all, self.job.mode, self.job.max_time_s, softness, last, bool(self.job.pattern.buttons))
             try:
                 status = course.run(self.state, self.keep)
             except (DivergedError, IntersectingError) as error:
@@ -183,7 +183,8 @@ class _Run:
                 status, last = error.status, True
             if last:
                 # What ended while tension was soft is judged as the cloth that it is.
-                dynamics.forces, dynamics.softness = forces_at(1.0), 1.0
+                soften_all(1.0)
+                dynamics.softness = 1.0
                 return self._outcome(flat, cloth, dynamics, status)
             self._add_up(dynamics.seconds)
             before, level = (cloth, dynamics.forces), level + 1
@@ -299,28 +300,33 @@ def _refined_state(before: tuple[Cloth, ForceAssembly], state: State, after: tup
 
 def make_dynamics(
     job: Job, cloth: Cloth, materials: MaterialTable, fold_angles: np.ndarray, dressing: bool = False, path: BodyPath | None = None
-) -> tuple[Dynamics, Callable[[float], ForceAssembly]]:
-    """The stepper, and its forces at a softness; buttons are softer yet, because the shank of one that has just closed stands aslant, and would tear at the
-    cloth below until it lies the other way up. dressing: while seams are sewn and folds pressed there are no bands, no pull of buttons, no weight and no
-    friction, so that cloth slides to where seams close, and shear goes by chords: cloth that is bent as sharply as on its way there is beyond what arcs
-    describe, and a fitted dress of GarmentCode did not close. path: of a body that moves."""
+) -> tuple[Dynamics, Callable[[float], None]]:
+    """The stepper, and what gives its forces another softness; buttons are softer yet, because the shank of one that has just closed stands aslant, and would
+    tear at the cloth below until it lies the other way up.
+
+    dressing: while seams are sewn and folds pressed there are no bands, no pull of buttons, no weight and no friction, so that cloth slides to where seams
+    close, and shear goes by chords: cloth that is bent as sharply as on its way there is beyond what arcs describe, and a fitted dress of GarmentCode did not
+    close. path: of a body that moves.
+    """
     weight = [] if dressing else [ForceGravity(cloth.masses)]
     pulls: list[Force] = []
     if job.pattern.bands and not dressing:
         pulls.append(ForceBand(band_segments(job.pattern, cloth)))
-    shanks = button_shanks(job.pattern, cloth, materials) if job.pattern.buttons and not dressing else None
+    buttons = [ForceButton(button_shanks(job.pattern, cloth, materials))] if job.pattern.buttons and not dressing else []
+    forces = ForceAssembly([*internal_forces(cloth, materials, fold_angles=fold_angles, arcs=not dressing), *pulls, *buttons], cloth.particle_count, weight)
 
-    def forces_at(softness: float) -> ForceAssembly:
-        inside = internal_forces(cloth, softened(materials, softness), fold_angles=fold_angles, arcs=not dressing)
-        buttons = [] if shanks is None else [ForceButton(yielding(shanks, softness**2))]
-        return ForceAssembly([*inside, *pulls, *buttons], cloth.particle_count, weight)
+    def soften_all(softness: float) -> None:
+        soften(forces.forces, cloth, materials, softness)
+        for button in buttons:
+            button.soften(softness**2)
 
     touch = materials
     if dressing:
         touch = materials._replace(friction_body=0.0 * materials.friction_body, friction_cloth=0.0 * materials.friction_cloth)
     contact = Contact(cloth, touch, (job.mannequin.vertices, job.mannequin.faces), path=path)
-    forces = forces_at(SOFTNESS if dressing and job.mode == "drape" else 1.0)
-    return Dynamics(cloth, forces, strain_limit(cloth, materials), contact), forces_at
+    if dressing and job.mode == "drape":
+        soften_all(SOFTNESS)
+    return Dynamics(cloth, forces, strain_limit(cloth, materials), contact), soften_all
 
 
 def _placed_state(job: Job, cloth: Cloth, start: Cloth, worn: dict[str, np.ndarray], warnings: list[str]) -> State:
