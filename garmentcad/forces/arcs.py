@@ -44,7 +44,7 @@ def cell_neighbours(cloth: Cloth, slots: LatticeSlots) -> np.ndarray:
 def bow_and_crossing(positions: np.ndarray, cells: Cells, neighbours: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """4 h^2 (x_uu + x_vv) and h^2 x_uv (C,3) [m] of cells with their neighbours (C,8); the first is 0 where they are missing."""
     x00, x10, x11, x01 = (positions[cells.corners[:, k]] for k in range(4))
-    bow = positions[neighbours].sum(axis=1) - 2.0 * (x00 + x10 + x11 + x01)
+    bow = sum(positions[neighbours[:, k]] for k in range(NEIGHBOURS)) - 2.0 * (x00 + x10 + x11 + x01)
     return np.where(neighbours[:, :1] == NO_PARTICLE, 0.0, bow), x00 - x10 - x01 + x11
 
 

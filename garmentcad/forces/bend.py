@@ -31,6 +31,7 @@ from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.force import CURVES, NO_PARTICLE, Gauge, OneLaw
 from garmentcad.forces.rows import PART, LatticeSlots
 from garmentcad.forces.smooth import angle_over_sine
+from garmentcad.geometry.vectors import dots, lengths
 
 SHORTEST = 1e-2  # arms shorter than this part of their rest length lose their force, so that it stays finite where an arm vanishes
 LEAST_SINE = 1e-9  # floor of sin(t): an arm folded flat onto the other has no plane to open in, and gets no force
@@ -264,18 +265,18 @@ class ForceBend(OneLaw):
 
     def _angle_and_arms(self, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         arm_a, arm_b = self._arms(positions)
-        angle = np.arctan2(np.linalg.norm(np.cross(arm_a, arm_b), axis=1), np.sum(arm_a * arm_b, axis=1))
-        arms = np.column_stack([np.linalg.norm(arm_a, axis=1), np.linalg.norm(arm_b, axis=1)])
+        angle = np.arctan2(lengths(np.cross(arm_a, arm_b)), dots(arm_a, arm_b))
+        arms = np.column_stack([lengths(arm_a), lengths(arm_b)])
         return angle, np.maximum(arms, SHORTEST * self._rest)
 
     def strain(self, positions: np.ndarray) -> np.ndarray:
         """r (B,) [rad]."""
         arm_a, arm_b = self._arms(positions)
         normal = np.cross(arm_a + arm_b, positions[self._lines.points[:, 6]] - positions[self._lines.points[:, 5]])
-        normal /= np.maximum(np.linalg.norm(normal, axis=1), self._lines.shortest[2])[:, None]
-        a, b = (arm / np.maximum(np.linalg.norm(arm, axis=1), SHORTEST * rest)[:, None] for arm, rest in ((arm_a, self._rest[:, 0]), (arm_b, self._rest[:, 1])))
+        normal /= np.maximum(lengths(normal), self._lines.shortest[2])[:, None]
+        a, b = (arm / np.maximum(lengths(arm), SHORTEST * rest)[:, None] for arm, rest in ((arm_a, self._rest[:, 0]), (arm_b, self._rest[:, 1])))
         half = 0.5 * self._angle_and_arms(positions)[0]
-        return np.asarray(np.sum(normal * (b - a), axis=1) / np.sinc(half / np.pi))
+        return np.asarray(dots(normal, b - a) / np.sinc(half / np.pi))
 
     def energy(self, positions: np.ndarray, sliders: np.ndarray | None = None) -> float:
         angle, _ = self._angle_and_arms(positions)

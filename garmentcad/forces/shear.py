@@ -23,6 +23,7 @@ from garmentcad.forces.arcs import MOST, NEIGHBOURS, SHARE, bow_and_crossing, ce
 from garmentcad.forces.force import NO_PARTICLE
 from garmentcad.forces.rows import LatticeSlots
 from garmentcad.forces.smooth import angle_over_sine
+from garmentcad.geometry.vectors import dots, lengths
 
 SHORTEST = 1e-2  # floor of |u|, |w| (1 at rest): below it a cell has collapsed and its angle means nothing
 LEAST_COSINE = 1e-6  # floor of cos(gamma) in divisions
@@ -117,7 +118,7 @@ class LawShear:
 
     def strain(self, positions: np.ndarray) -> np.ndarray:
         bow, crossing = bow_and_crossing(positions, self._cells, self._neighbours)
-        return np.asarray(self._chords(positions)[0] + limited(self._arcs * np.sum(bow * crossing, axis=1))[0])
+        return np.asarray(self._chords(positions)[0] + limited(self._arcs * dots(bow, crossing))[0])
 
     def energy(self, positions: np.ndarray, sliders: np.ndarray) -> float:
         return float(np.sum(shear_energy_at(self._curves, self.strain(positions), sliders) * self._cells.shear_area))
@@ -130,11 +131,11 @@ class LawShear:
         along, across = (np.sqrt(np.maximum(u * u + w * w + sign * lean, 0.0)) / (2.0 * self._cells.spacing) for sign in (-1.0, 1.0))
         # arcs add their own, and their curvature: of bow.crossing, with rows of 16 at the corners and 4 at the neighbours, and where they are limited
         bow, crossing = bow_and_crossing(positions, self._cells, self._neighbours)
-        arc = self._arcs * np.sum(bow * crossing, axis=1)
+        arc = self._arcs * dots(bow, crossing)
         lean, keen = limited(arc)
         gamma = chords + lean
-        beside = self._arcs * np.linalg.norm(crossing, axis=1)
-        bent = self._arcs * np.linalg.norm(bow, axis=1) + 2.0 * beside
+        beside = self._arcs * lengths(crossing)
+        bent = self._arcs * lengths(bow) + 2.0 * beside
         tangent = largest_shear_stiffness(self._curves, np.maximum(np.abs(chords), np.abs(gamma))) * self._cells.shear_area
         scale = tangent * (2.0 * (along + across + 2.0 * bent) + NEIGHBOURS * beside)
         pull = tangent * (np.abs(gamma) + self.way)
@@ -162,7 +163,7 @@ def cell_slots(cells: Cells, slots: LatticeSlots) -> np.ndarray:
 
 def angle_and_lengths(warp: np.ndarray, weft: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """gamma (N,) and the lengths of warp and weft vectors (N,3), not below SHORTEST."""
-    warp_length = np.maximum(np.linalg.norm(warp, axis=1), SHORTEST)
-    weft_length = np.maximum(np.linalg.norm(weft, axis=1), SHORTEST)
-    sine = np.sum(warp * weft, axis=1) / (warp_length * weft_length)
+    warp_length = np.maximum(lengths(warp), SHORTEST)
+    weft_length = np.maximum(lengths(weft), SHORTEST)
+    sine = dots(warp, weft) / (warp_length * weft_length)
     return np.arcsin(np.clip(sine, -1.0, 1.0)), warp_length, weft_length

@@ -20,6 +20,7 @@ from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.bend import stored
 from garmentcad.forces.rows import LatticeSlots
 from garmentcad.forces.shear import cell_slots
+from garmentcad.geometry.vectors import dots, lengths
 
 LEAST_NORMAL = 1e-3  # floor of |normal| in units of its rest value 2 h^2: a collapsed cell has no normal
 
@@ -59,10 +60,10 @@ class LawTwist:
         x00, x10, x11, x01 = (positions[self._cells.corners[:, k]] for k in range(4))
         p, q, crossing = x11 - x00, x01 - x10, x00 - x10 - x01 + x11
         normal = np.cross(p, q)
-        size = np.maximum(np.linalg.norm(normal, axis=1), self._cells.least_normal)
-        height = np.sum(normal * crossing, axis=1) / size
-        diagonal = np.maximum(np.linalg.norm(p, axis=1), np.linalg.norm(q, axis=1))
-        return height, np.linalg.norm(crossing, axis=1), diagonal, size
+        size = np.maximum(lengths(normal), self._cells.least_normal)
+        height = dots(normal, crossing) / size
+        diagonal = np.maximum(lengths(p), lengths(q))
+        return height, lengths(crossing), diagonal, size
 
     def strain(self, positions: np.ndarray) -> np.ndarray:
         return self._geometry(positions)[0]

@@ -15,6 +15,7 @@ import numpy as np
 from garmentcad.arrays import kernel
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.fabric.material import MaterialTable
+from garmentcad.geometry.vectors import lengths
 
 SWEEPS = 20
 RETURN_M_S = 1.0
@@ -36,7 +37,7 @@ def strain_limit(cloth: Cloth, materials: MaterialTable) -> StrainLimit:
 
 def strain_share(positions: np.ndarray, rest_length: np.ndarray, limit: StrainLimit) -> np.ndarray:
     """Strain (L,) of each link of rest_length (L,), in parts of its limit."""
-    length = np.linalg.norm(positions[limit.ends[:, 1]] - positions[limit.ends[:, 0]], axis=1)
+    length = lengths(positions[limit.ends[:, 1]] - positions[limit.ends[:, 0]])
     return np.asarray((length - rest_length) / (limit.longest - rest_length))
 
 
