@@ -36,24 +36,25 @@ _SMOOTHING = 200  # times half-way to the mean of the neighbours
 
 def standing_body(model: HumanModel, sizes: Mapping[str, float]) -> Shape:
     """The body of measurements (full set, mm) with its heights in place and its girths near."""
-    base = _base(model)
     if dict(sizes) == base_sizes(model.kind):
-        return base.body
-    found = fit(base.graded, base.space, sizes)
-    return stand(base.graded, base.graded.shape(target_weights(model, base.space, found)), sizes)[0]
+        return _base(model).body
+    graded, space = _grade(model)
+    found = fit(graded, space, sizes)
+    return stand(graded, graded.shape(target_weights(model, space, found)), sizes)[0]
 
 
 class _Base(NamedTuple):
-    """The standing base body; the model whose base shape it is, with smooth targets; how a grade may change it."""
+    """The standing base body, its scale to the data, the weights of the directions that it has, the free ones among them, and its muscle and weight."""
 
     body: Shape
-    graded: HumanModel
-    space: Space
+    scale: float
+    weights: np.ndarray
+    free: list[int]
+    build: tuple[float, float]
 
 
 @lru_cache(maxsize=2)
 def _base(model: HumanModel) -> _Base:
-    sizes = base_sizes(model.kind)
     names = list(model.target_names)
     left_out = (*build_names("woman"), *build_names("man"), *_HEIGHTS, "firmness", *(("cup",) if model.kind == "man" else ()))
     free = [k for k, name in enumerate(names) if name not in left_out]
@@ -66,16 +67,24 @@ def _base(model: HumanModel) -> _Base:
         held=np.zeros(len(names)),
         girth_sigma=_BASE_GIRTH_SIGMA,
     )
+    sizes = base_sizes(model.kind)
     found = fit(model, space, sizes)
     weights = target_weights(model, space, found)
     body, scale = stand(model, model.shape(weights), sizes)
+    return _Base(body, scale, weights, free, (found[0], found[1]))
+
+
+@lru_cache(maxsize=2)
+def _grade(model: HumanModel) -> tuple[HumanModel, Space]:
+    """The model whose base shape is the standing base body, with smooth targets, and how a grade may change it."""
+    body, scale, weights, free, (muscle, weight) = _base(model)
+    names = model.target_names
     targets, joint_targets = scale * _smooth(model), scale * model.joint_targets
     joints = np.array([body.joints[name] for name in model.joint_names]) - np.einsum("t,tjk->jk", weights, joint_targets)
     graded = replace(model, base=body.points - np.einsum("t,tnk->nk", weights, targets), targets=targets, joints=joints, joint_targets=joint_targets)
     used = [k for k in free if names[k] in _REACH]
     reach = np.array([_REACH[names[k]] for k in used])
-    muscle, weight = found[:2]
-    grade = Space(
+    space = Space(
         used,
         lowest=np.r_[muscle, 0.0, np.minimum(-reach, weights[used])],
         highest=np.r_[muscle, _HEAVIEST, np.maximum(reach, weights[used])],
@@ -84,7 +93,7 @@ def _base(model: HumanModel) -> _Base:
         held=weights,
         girth_sigma=_GRADE_GIRTH_SIGMA,
     )
-    return _Base(body, graded, grade)
+    return graded, space
 
 
 def _smooth(model: HumanModel) -> np.ndarray:
