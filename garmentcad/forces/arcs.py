@@ -22,6 +22,7 @@ from garmentcad.arrays import kernel
 from garmentcad.cloth.cloth import WARP, Cells, Cloth
 from garmentcad.forces.force import NO_PARTICLE
 from garmentcad.forces.rows import LatticeSlots
+from garmentcad.geometry.vectors import picked
 
 NEIGHBOURS = 8  # of a cell along its rows and columns
 SHARE = 1.0 / 32.0  # of sum.(h^2 x_uv)/h^2
@@ -43,8 +44,8 @@ def cell_neighbours(cloth: Cloth, slots: LatticeSlots) -> np.ndarray:
 
 def bow_and_crossing(positions: np.ndarray, cells: Cells, neighbours: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """4 h^2 (x_uu + x_vv) and h^2 x_uv (C,3) [m] of cells with their neighbours (C,8); the first is 0 where they are missing."""
-    x00, x10, x11, x01 = (positions[cells.corners[:, k]] for k in range(4))
-    bow = sum(positions[neighbours[:, k]] for k in range(NEIGHBOURS)) - 2.0 * (x00 + x10 + x11 + x01)
+    x00, x10, x11, x01 = picked(positions, cells.corners)
+    bow = sum(picked(positions, neighbours)) - 2.0 * (x00 + x10 + x11 + x01)
     return np.where(neighbours[:, :1] == NO_PARTICLE, 0.0, bow), x00 - x10 - x01 + x11
 
 

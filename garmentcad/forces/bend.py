@@ -31,7 +31,7 @@ from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.force import CURVES, NO_PARTICLE, Gauge, OneLaw
 from garmentcad.forces.rows import PART, LatticeSlots
 from garmentcad.forces.smooth import angle_over_sine
-from garmentcad.geometry.vectors import dots, lengths
+from garmentcad.geometry.vectors import dots, lengths, picked
 
 SHORTEST = 1e-2  # arms shorter than this part of their rest length lose their force, so that it stays finite where an arm vanishes
 LEAST_SINE = 1e-9  # floor of sin(t): an arm folded flat onto the other has no plane to open in, and gets no force
@@ -259,7 +259,7 @@ class ForceBend(OneLaw):
         write_bend(*self.arguments, self.slack() if sliders is None else sliders, positions, velocities, out)
 
     def _arms(self, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        center, a0, a1, b0, b1 = (positions[self._lines.points[:, k]] for k in range(5))
+        center, a0, a1, b0, b1 = picked(positions, self._lines.points[:, :5])
         weight_a, weight_b = self._lines.weights[:, :1], self._lines.weights[:, 1:]
         return center - (1.0 - weight_a) * a0 - weight_a * a1, (1.0 - weight_b) * b0 + weight_b * b1 - center
 
@@ -272,7 +272,8 @@ class ForceBend(OneLaw):
     def strain(self, positions: np.ndarray) -> np.ndarray:
         """r (B,) [rad]."""
         arm_a, arm_b = self._arms(positions)
-        normal = np.cross(arm_a + arm_b, positions[self._lines.points[:, 6]] - positions[self._lines.points[:, 5]])
+        before, behind = picked(positions, self._lines.points[:, 5:])
+        normal = np.cross(arm_a + arm_b, behind - before)
         normal /= np.maximum(lengths(normal), self._lines.shortest[2])[:, None]
         a, b = (arm / np.maximum(lengths(arm), SHORTEST * rest)[:, None] for arm, rest in ((arm_a, self._rest[:, 0]), (arm_b, self._rest[:, 1])))
         half = 0.5 * self._angle_and_arms(positions)[0]

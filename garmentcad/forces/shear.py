@@ -23,7 +23,7 @@ from garmentcad.forces.arcs import MOST, NEIGHBOURS, SHARE, bow_and_crossing, ce
 from garmentcad.forces.force import NO_PARTICLE
 from garmentcad.forces.rows import LatticeSlots
 from garmentcad.forces.smooth import angle_over_sine
-from garmentcad.geometry.vectors import dots, lengths
+from garmentcad.geometry.vectors import dots, lengths, picked
 
 SHORTEST = 1e-2  # floor of |u|, |w| (1 at rest): below it a cell has collapsed and its angle means nothing
 LEAST_COSINE = 1e-6  # floor of cos(gamma) in divisions
@@ -112,7 +112,7 @@ class LawShear:
         return np.zeros(len(self.at))
 
     def _chords(self, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        x00, x10, x11, x01 = (positions[self._cells.corners[:, k]] for k in range(4))
+        x00, x10, x11, x01 = picked(positions, self._cells.corners)
         half = 0.5 / self._cells.spacing[:, None]
         return angle_and_lengths(half * (x01 + x11 - x00 - x10), half * (x10 + x11 - x00 - x01))
 

@@ -23,7 +23,7 @@ from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.rows import LatticeSlots
 from garmentcad.forces.smooth import expm1_smooth
 from garmentcad.forces.tension_curves import TensionCurves, largest_tension_at, tension_curves, tension_energy_at
-from garmentcad.geometry.vectors import lengths
+from garmentcad.geometry.vectors import lengths, picked
 
 LEAST_EXPONENT = 1e-9  # a linear curve is one with this exponent: it differs by less than the tenth digit
 SHORTEST = 1e-2  # in units of the rest length: shorter links lose their force, since one without length has no direction
@@ -124,8 +124,8 @@ class LawStretch:
         return -self.way
 
     def strain(self, positions: np.ndarray) -> np.ndarray:
-        ends = self._links.ends
-        return lengths(positions[ends[:, 1]] - positions[ends[:, 0]]) / self._links.rest_length - 1.0
+        first, second = picked(positions, self._links.ends)
+        return lengths(second - first) / self._links.rest_length - 1.0
 
     def energy(self, positions: np.ndarray, sliders: np.ndarray) -> float:
         energy = tension_energy_at(self._curves, self._curve, self.strain(positions), sliders)

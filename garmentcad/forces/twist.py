@@ -20,7 +20,7 @@ from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.bend import stored
 from garmentcad.forces.rows import LatticeSlots
 from garmentcad.forces.shear import cell_slots
-from garmentcad.geometry.vectors import dots, lengths
+from garmentcad.geometry.vectors import dots, lengths, picked
 
 LEAST_NORMAL = 1e-3  # floor of |normal| in units of its rest value 2 h^2: a collapsed cell has no normal
 
@@ -57,7 +57,7 @@ class LawTwist:
         return np.zeros(len(self.at))
 
     def _geometry(self, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        x00, x10, x11, x01 = (positions[self._cells.corners[:, k]] for k in range(4))
+        x00, x10, x11, x01 = picked(positions, self._cells.corners)
         p, q, crossing = x11 - x00, x01 - x10, x00 - x10 - x01 + x11
         normal = np.cross(p, q)
         size = np.maximum(lengths(normal), self._cells.least_normal)

@@ -15,7 +15,7 @@ import numpy as np
 from garmentcad.arrays import kernel
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.fabric.material import MaterialTable
-from garmentcad.geometry.vectors import lengths
+from garmentcad.geometry.vectors import lengths, picked
 
 SWEEPS = 20
 RETURN_M_S = 1.0
@@ -37,7 +37,8 @@ def strain_limit(cloth: Cloth, materials: MaterialTable) -> StrainLimit:
 
 def strain_share(positions: np.ndarray, rest_length: np.ndarray, limit: StrainLimit) -> np.ndarray:
     """Strain (L,) of each link of rest_length (L,), in parts of its limit."""
-    length = lengths(positions[limit.ends[:, 1]] - positions[limit.ends[:, 0]])
+    first, second = picked(positions, limit.ends)
+    length = lengths(second - first)
     return np.asarray((length - rest_length) / (limit.longest - rest_length))
 
 
