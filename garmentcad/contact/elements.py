@@ -21,7 +21,8 @@ def elements(nodes: np.ndarray, identity: np.ndarray) -> Elements:
     """Elements of points (N,), edges (N,2) or triangles (N,3), with the identity of their nodes (P,)."""
     rows = nodes[:, None] if nodes.ndim == 1 else nodes
     rows = indices(np.concatenate([rows, np.repeat(rows[:, -1:], 3 - rows.shape[1], axis=1)], axis=1))
-    return Elements(rows, indices(identity[rows]))
+    same = np.array_equal(identity, np.arange(len(identity)))  # one memory for both, then
+    return Elements(rows, rows if same else indices(identity[rows]))
 
 
 def largest_around(cloth: Cloth, per_material: np.ndarray) -> np.ndarray:

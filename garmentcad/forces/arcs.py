@@ -30,11 +30,11 @@ MOST = 0.125  # rad; at 45 degrees and h k = 1.6 a is 0.109, and links reach no 
 
 
 def cell_neighbours(cloth: Cloth, slots: LatticeSlots) -> np.ndarray:
-    """(C,8) particles around each cell of `cloth` that its corners are linked to, NO_PARTICLE eight times where one is missing."""
+    """(C,8) int32 particles around each cell of `cloth` that its corners are linked to, NO_PARTICLE eight times where one is missing."""
     whole = slots.whole_lines(cloth.bends)
     lines = np.bincount(cloth.bends.center[whole], minlength=cloth.particle_count)
     inside = (lines[cloth.cells.corners] == 2).all(axis=1)
-    found = np.full((len(inside), NEIGHBOURS), NO_PARTICLE)
+    found = np.full((len(inside), NEIGHBOURS), NO_PARTICLE, dtype=np.int32)
     at = slots.slot[cloth.cells.corners[inside, 0]]
     up = slots.step(at, WARP)
     around = (-up, 1 - up, at * 0 - 1, at * 0 + 2, up - 1, up + 2, 2 * up, 2 * up + 1)
@@ -45,7 +45,9 @@ def cell_neighbours(cloth: Cloth, slots: LatticeSlots) -> np.ndarray:
 def bow_and_crossing(positions: np.ndarray, cells: Cells, neighbours: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """4 h^2 (x_uu + x_vv) and h^2 x_uv (C,3) [m] of cells with their neighbours (C,8); the first is 0 where they are missing."""
     x00, x10, x11, x01 = picked(positions, cells.corners)
-    bow = sum(picked(positions, neighbours)) - 2.0 * (x00 + x10 + x11 + x01)
+    # one after the other, so that they are not all held at once
+    around = sum(positions.take(column, axis=0) for column in neighbours.T)
+    bow = around - 2.0 * (x00 + x10 + x11 + x01)
     return np.where(neighbours[:, :1] == NO_PARTICLE, 0.0, bow), x00 - x10 - x01 + x11
 
 

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from garmentcad.arrays import floats, indices, kernel
+from garmentcad.arrays import floats, kernel
 from garmentcad.cloth.cloth import WARP, Cells, Cloth
 from garmentcad.fabric.law_shear import HIGH, LOW, shear_energy, stick_coefficients
 from garmentcad.fabric.material import MaterialTable
@@ -91,12 +91,14 @@ class LawShear:
     name = "shear"
 
     def __init__(self, cloth: Cloth, materials: MaterialTable, slots: LatticeSlots, arcs: bool = True) -> None:
-        self._cells, self._neighbours = cloth.cells, cell_neighbours(cloth, slots)
+        self._cells = cloth.cells
+        neighbours = cell_neighbours(cloth, slots)
         if not arcs:
-            self._neighbours[:] = NO_PARTICLE
+            neighbours[:] = NO_PARTICLE
+        self.corners = np.concatenate([cloth.cells.corners.ravel(), neighbours.ravel()])
+        self._neighbours = self.corners[cloth.cells.corners.size :].reshape(neighbours.shape)
         self.set_curves(materials)
         self._arcs = np.where(self._neighbours[:, 0] == NO_PARTICLE, 0.0, SHARE / cloth.cells.spacing**2)
-        self.corners = indices(np.concatenate([cloth.cells.corners.ravel(), self._neighbours.ravel()]))
         self.way = self._curves.way
         self.at = cell_slots(cloth.cells, slots)
 

@@ -192,6 +192,10 @@ class _Run:
     def _hardware(self, cloth: Cloth) -> PointRows:
         return hardware_rows(self.job.pattern, cloth, self.materials, self.job.mannequin)
 
+    def _let_go(self) -> None:
+        """The state is another one from here on; what it replaces need not be kept while the next stepper is made."""
+        self.keep.state = None
+
     def _begin(self) -> None:
         self.setup = self.setup or time.perf_counter() - self.began
         self.keep.state = self.state
@@ -221,6 +225,7 @@ class _Run:
         self.state = weld_state(start, welded, particle_map, self.state)
         self.state.phase = "press" if flat.fold_names else "fall"
         self.state.run |= {"phase_from_s": self.state.time_s} | welding.as_run()
+        self._let_go()
         return None
 
     def _worn(self, flat: Cloth) -> dict[str, np.ndarray]:
@@ -308,6 +313,10 @@ def make_dynamics(
     close, and shear goes by chords: cloth that is bent as sharply as on its way there is beyond what arcs describe, and a fitted dress of GarmentCode did not
     close. path: of a body that moves.
     """
+    touch = materials
+    if dressing:
+        touch = materials._replace(friction_body=0.0 * materials.friction_body, friction_cloth=0.0 * materials.friction_cloth)
+    contact = Contact(cloth, touch, (job.mannequin.vertices, job.mannequin.faces), path=path)  # first: nothing needs as much memory while it is made
     weight = [] if dressing else [ForceGravity(cloth.masses)]
     pulls: list[Force] = []
     if job.pattern.bands and not dressing:
@@ -320,10 +329,6 @@ def make_dynamics(
         for button in buttons:
             button.soften(softness**2)
 
-    touch = materials
-    if dressing:
-        touch = materials._replace(friction_body=0.0 * materials.friction_body, friction_cloth=0.0 * materials.friction_cloth)
-    contact = Contact(cloth, touch, (job.mannequin.vertices, job.mannequin.faces), path=path)
     if dressing and job.mode == "drape":
         soften_all(SOFTNESS)
     return Dynamics(cloth, forces, strain_limit(cloth, materials), contact), soften_all
