@@ -22,6 +22,7 @@ _Events: Any = yaml._yaml.CParser if yaml.__with_libyaml__ else yaml.SafeLoader
 MAX_BYTES = 1_000_000
 MAX_DEPTH = 32
 MAX_NODES = 50_000
+_TOO_DEEP = f"nested deeper than {MAX_DEPTH} levels; that is the cap"
 
 _INTEGER = re.compile(r"[-+]?[0-9]+")
 _FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
@@ -72,7 +73,9 @@ def parse_yaml(text: str, file: str) -> Any:
     except yaml.MarkedYAMLError as fault:
         mark = fault.problem_mark or fault.context_mark
         what = " ".join(part for part in (fault.context, fault.problem) if part)
-        raise FileError(f"line {mark.line + 1 if mark else '?'}: not valid YAML: {what}", file=file) from None
+        line = mark.line + 1 if mark else "?"
+        # libyaml reads ahead of its events, and newer ones count levels by themselves
+        raise FileError(f"line {line}: {_TOO_DEEP if 'maximum nesting depth' in what else f'not valid YAML: {what}'}", file=file) from None
     except yaml.YAMLError as fault:  # what else the parser of libyaml may say has no line
         raise FileError(f"not valid YAML: {fault}", file=file) from None
     if builder.documents == 0:
@@ -119,7 +122,7 @@ class _Builder:
         if self.stack and self.stack[-1].wants_key():
             raise self.refuse(event, "a list or mapping stands where a key is wanted; keys are text")
         if len(self.stack) == MAX_DEPTH:
-            raise FileError(f"line {event.start_mark.line + 1}: nested deeper than {MAX_DEPTH} levels; that is the cap", file=self.file)
+            raise FileError(f"line {event.start_mark.line + 1}: {_TOO_DEEP}", file=self.file)
         self.stack.append(_Open({} if isinstance(event, yaml.MappingStartEvent) else []))
 
     def put(self, event: Any, value: Any) -> None:
