@@ -73,9 +73,8 @@ def parse_yaml(text: str, file: str) -> Any:
     except yaml.MarkedYAMLError as fault:
         mark = fault.problem_mark or fault.context_mark
         what = " ".join(part for part in (fault.context, fault.problem) if part)
-        line = mark.line + 1 if mark else "?"
-        # libyaml reads ahead of its events, and newer ones count levels by themselves
-        raise FileError(f"line {line}: {_TOO_DEEP if 'maximum nesting depth' in what else f'not valid YAML: {what}'}", file=file) from None
+        said = _TOO_DEEP if "maximum nesting depth" in what else f"not valid YAML: {what}"  # newer libyaml counts levels itself, and ahead of its events
+        raise FileError(f"line {mark.line + 1 if mark else '?'}: {said}", file=file) from None
     except yaml.YAMLError as fault:  # what else the parser of libyaml may say has no line
         raise FileError(f"not valid YAML: {fault}", file=file) from None
     if builder.documents == 0:
