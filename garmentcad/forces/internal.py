@@ -142,7 +142,8 @@ def internal_forces(
 
 
 def soften(forces: Sequence[Force], cloth: Cloth, materials: MaterialTable, softness: float, damping_ratio: float = DAMPING_RATIO) -> None:
-    """From now on `forces`, those that `internal_forces` made of `materials` with this damping, are those of materials that are `softened`."""
+    """From now on `forces`, those that `internal_forces` made of `materials` with this damping ratio, are those of materials that are `softened`: in place,
+    and always from `materials`, whatever the softness before. softness: factor by which tension is divided, 1 for the fabric's own."""
     lattice, border = forces[:2]
     assert isinstance(lattice, ForceLattice)
     assert isinstance(border, ForceBorder)

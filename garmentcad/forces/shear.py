@@ -103,6 +103,7 @@ class LawShear:
         self.at = cell_slots(cloth.cells, slots)
 
     def set_curves(self, materials: MaterialTable) -> None:
+        """The shear curves of `materials` from now on; `write_rows` brings them to the kernels."""
         self._curves = shear_curves(materials, self._cells.material)
 
     def write_rows(self, out: np.ndarray) -> None:

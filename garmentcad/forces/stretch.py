@@ -110,6 +110,7 @@ class LawStretch:
         self.at = np.where(links.direction == WEFT, first, slots.count + first)
 
     def set_curves(self, materials: MaterialTable) -> None:
+        """The tensile curves of `materials` from now on; `write_rows` brings them to the kernels."""
         self._curves = tension_curves(materials)
 
     def write_rows(self, out: np.ndarray) -> None:

@@ -192,10 +192,6 @@ class _Run:
     def _hardware(self, cloth: Cloth) -> PointRows:
         return hardware_rows(self.job.pattern, cloth, self.materials, self.job.mannequin)
 
-    def _let_go(self) -> None:
-        """The state is another one from here on; what it replaces need not be kept while the next stepper is made."""
-        self.keep.state = None
-
     def _begin(self) -> None:
         self.setup = self.setup or time.perf_counter() - self.began
         self.keep.state = self.state
@@ -225,7 +221,7 @@ class _Run:
         self.state = weld_state(start, welded, particle_map, self.state)
         self.state.phase = "press" if flat.fold_names else "fall"
         self.state.run |= {"phase_from_s": self.state.time_s} | welding.as_run()
-        self._let_go()
+        self.keep.state = None  # until the next phase begins: the state before need not take memory while the next stepper is made
         return None
 
     def _worn(self, flat: Cloth) -> dict[str, np.ndarray]:
