@@ -1,7 +1,7 @@
 """Cusick drapemeter: a round specimen hangs over a smaller round disc; its shadow gives the drape coefficient.
 
-The cloth is clamped between two discs, as in the tester: particles up to CLAMPED spacings outside the disc are held, and a bend line that leads out of the
-clamp stands for the cloth between the disc's edge and the middle of its outer arm, wherever its particle lies.
+The cloth is clamped between two discs, as in the tester: particles up to CLAMPED spacings outside the disc are held, and the first two bend
+lines that lead out of the clamp stand for the cloth from the disc's edge on, wherever their particles lie.
 
 It is laid flat with a small random waviness (the lay) and let down: its weight comes on little by little, as where a plate sinks away from under it. Then
 the disc is shaken up and down three times and the cloth is left to itself, and at last it settles as a garment does (docs/rigs.md).
@@ -17,6 +17,7 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
+from scipy.interpolate import CloughTocher2DInterpolator
 
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.lattice import panel_cloth
@@ -36,8 +37,8 @@ from garmentcad.solve.dynamics import Dynamics
 from garmentcad.solve.strain_limit import strain_limit
 from garmentcad.units import GRAVITY_M_S2, M_TO_MM, MM_TO_M
 
-CLAMPED = 0.75
-LEAST_FREE, MOST_FREE = 0.25, 1.5  # of the mean arm
+CLAMPED = 0.6
+LEAST_BEFORE, MOST_BEFORE = CLAMPED - 1.0, 1.2  # arms between the edge of the disc and the last held particle of a bend line
 WAVINESS_MM = 0.5  # greatest height of a lay
 WAVES = 12  # of the waviness around the specimen
 LAYS = 5
@@ -113,7 +114,7 @@ class Drapemeter:
     def taken_over(self, other: Drapemeter, drape: Drape) -> Drape:
         """A drape at rest on another lattice settles on this one."""
         before = drape.state
-        positions = refined(other.cloth, before.positions, self.cloth)
+        positions = _on_smooth_surface(other.cloth, before.positions, self.cloth)
         positions[self._fixed] = self._spread(np.zeros(len(positions)))[self._fixed]
         friction = refined_sliders(other.cloth, other._forces(), before, self.cloth, self._forces(), positions)
         state = State(positions, np.zeros_like(positions), before.time_s, before.step, phase="settle", friction=friction, run={"phase_from_s": before.time_s})
@@ -172,28 +173,40 @@ def _disc(radius_mm: float) -> Panel:
 
 
 def _clamped(cloth: Cloth, fixed: np.ndarray, radius: float) -> Cloth:
-    """The cloth whose bend lines out of the clamp are as long as what is free of them: from the disc of this radius [m] to the middle of the outer arm.
+    """The cloth whose bend lines bend from the edge of the disc of this radius [m] on, wherever between two particles it lies.
 
-    Which particles are held is a matter of the lattice; where bending begins is not.
+    Free cloth begins s arms before the last held particle of a line. That particle's bend line and the next one stand together for what is free up to the middle
+    of the second arm: its length s + 3/2 and its first moment, so that a moment turns and lowers what hangs beyond them as it would the cloth. Lengths are
+    changed, not widths: the moment that internal friction holds is the cloth's.
     """
     bends = cloth.bends
     place = MM_TO_M * cloth.vertex_uv_mm
-    ends = [
-        (1.0 - weight)[:, None] * place[arm[:, 0]] + weight[:, None] * place[arm[:, 1]]
-        for arm, weight in ((bends.arm_a, bends.weight_a), (bends.arm_b, bends.weight_b))
-    ]
-    held = [fixed[arm].all(axis=1) for arm in (bends.arm_a, bends.arm_b)]
-    width = bends.width.copy()
-    for outer, inner, length in ((0, 1, bends.length_a), (1, 0, bends.length_b)):
-        out = np.flatnonzero(fixed[bends.center] & held[inner] & ~held[outer])
+    line = np.full((len(place), 2), -1)
+    line[bends.center, bends.direction] = np.arange(len(bends.center))
+    share = np.ones(len(bends.center))
+    for inner, outer, weight in ((bends.arm_b, bends.arm_a, bends.weight_a), (bends.arm_a, bends.arm_b, bends.weight_b)):
+        out = np.flatnonzero(fixed[bends.center] & fixed[inner].all(axis=1) & ~fixed[outer].all(axis=1))
         start = place[bends.center[out]]
-        way = (ends[outer][out] - start) / length[out, None]
-        along = np.sum(start * way, axis=1)
-        inside = along**2 - np.sum(start**2, axis=1) + radius**2
-        arm = 0.5 * (bends.length_a + bends.length_b)[out]
-        free = np.where(inside > 0.0, along - np.sqrt(np.maximum(inside, 0.0)) + 0.5 * length[out], arm)
-        width[out] *= arm / np.clip(free, LEAST_FREE * arm, MOST_FREE * arm)
-    return replace(cloth, bends=bends._replace(width=width))
+        way = (1.0 - weight[out])[:, None] * place[outer[out, 0]] + weight[out][:, None] * place[outer[out, 1]] - start
+        arm = np.linalg.norm(way, axis=1)
+        along = np.sum(start * way, axis=1) / arm
+        crossed = along**2 - np.sum(start**2, axis=1) + radius**2
+        before = np.where(crossed > 0.0, (along - np.sqrt(np.maximum(crossed, 0.0))) / arm, 0.5)
+        second = np.where(weight[out] == 0.0, line[outer[out, 0], bends.direction[out]], -1)
+        paired = second >= 0
+        before = np.clip(before, LEAST_BEFORE, MOST_BEFORE)
+        free = before + 1.5
+        beyond = np.where(paired, 0.5 * free * (1.5 - before), 1.0)
+        share[out] = free - beyond
+        share[second[paired]] = beyond[paired]
+    return replace(cloth, bends=bends._replace(length_a=share * bends.length_a, length_b=share * bends.length_b))
+
+
+def _on_smooth_surface(here: Cloth, positions: np.ndarray, there: Cloth) -> np.ndarray:
+    """Positions (P,3) m on another lattice: on the smooth surface (cubic, by Clough and Tocher) through those of this one, so that cloth need not bend anew,
+    which would let go what friction holds; beyond its outermost particles as `refined`."""
+    surface = CloughTocher2DInterpolator(here.vertex_uv_mm, positions)(there.vertex_uv_mm)
+    return np.where(np.isnan(surface), refined(here, positions, there), surface)
 
 
 def _waviness(place: np.ndarray, held: float, seed: int) -> np.ndarray:
