@@ -175,9 +175,9 @@ def _disc(radius_mm: float) -> Panel:
 def _clamped(cloth: Cloth, fixed: np.ndarray, radius: float) -> Cloth:
     """The cloth whose bend lines bend from the edge of the disc of this radius [m] on, wherever between two particles it lies.
 
-    Free cloth begins s arms before the last held particle of a line. That particle's bend line and the next one stand together for what is free up to the middle
-    of the second arm: its length s + 3/2 and its first moment, so that a moment turns and lowers what hangs beyond them as it would the cloth. Lengths are
-    changed, not widths: the moment that internal friction holds is the cloth's.
+    Free cloth begins s arms before the last held particle of a line. That particle's bend line and the next one stand together for what is free up to the
+    middle of the second arm: its length s + 3/2 and its first moment, so that a moment turns and lowers what hangs beyond them as it would the cloth. Lengths
+    are changed, not widths: the moment that internal friction holds is the cloth's.
     """
     bends = cloth.bends
     place = MM_TO_M * cloth.vertex_uv_mm
