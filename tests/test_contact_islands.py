@@ -13,7 +13,8 @@ from scipy.sparse.csgraph import connected_components
 from garmentcad.arrays import indices
 from garmentcad.cloth.state import State
 from garmentcad.contact.contact import Contact
-from garmentcad.contact.pairs import Pairs, Stand, deal_islands, fastest_of, keep_apart, make_pairs, room_for, take_stand
+from garmentcad.contact.pairs import Pairs, Stand, fastest_of, make_pairs, room_for, take_stand
+from garmentcad.contact.sweeps import deal_islands, keep_apart
 
 DT = 1.5e-4
 NODES, MANY, THREADS = 1000, 60, 3

@@ -19,21 +19,11 @@ from garmentcad.contact.bvh import Tree, refit_swept
 from garmentcad.contact.carry import carry, set_pace
 from garmentcad.contact.cloth import ClothElements
 from garmentcad.contact.elements import LEAST_GAP, largest_around
-from garmentcad.contact.pairs import (
-    Pairs,
-    by_distance,
-    carry_over,
-    fastest_of,
-    joined,
-    keep_apart,
-    make_pairs,
-    room_for,
-    stop_collisions,
-    take_stand,
-)  # fmt: skip
+from garmentcad.contact.pairs import Pairs, by_distance, carry_over, fastest_of, joined, make_pairs, room_for, stop_collisions, take_stand
 from garmentcad.contact.path import STANDING, BodyPath
 from garmentcad.contact.planes import Grip, Planes, fresh_planes, respond_planes
 from garmentcad.contact.surface import Surface, edge_of_side, pseudo_normals
+from garmentcad.contact.sweeps import keep_apart
 from garmentcad.errors import InputError
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.geometry.closest import distance_between

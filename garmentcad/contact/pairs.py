@@ -7,7 +7,7 @@ J along it changes v_i by J w_i / m_i. Particles that touch the body are held by
 The side on which a pair stands is remembered while it is closer than half its gap, so that a pair that came through is pushed back the way it came. On a
 body nothing need be remembered: it has an outside. (Two body edges that meet in a vertex, one of which held a cloth edge below itself by a micrometre and
 the other above, pinned a sleeve with 120 N each.)
-Impulses are remembered from step to step: what rests needs no sweeps.
+Impulses are remembered from step to step; sweeps.py finds them.
 """
 
 from __future__ import annotations
@@ -19,21 +19,18 @@ import numpy as np
 from numba import get_num_threads, prange
 
 from garmentcad.arrays import CHUNKS, chunk_range, indices, inlined_kernel, kernel, long_kernel, parallel_kernel
-from garmentcad.contact.planes import allowed, demanded, held
+from garmentcad.contact.planes import allowed
 from garmentcad.geometry.closest import CORNER, EDGE, FACE, along, cross, dot, minus, point_triangle, row, segment_segment, unit
 
 VERTEX_TRIANGLE, EDGE_EDGE = 0, 1
 BY_CLOTH, BY_BODY = 1, 2  # what holds a node, the stronger word last
 NEARLY = 1.1  # gaps: a little earlier than at the gap a pair is solved, because a neighbour's impulses may bring it closer than its own velocity does
-_SWEEPS = 20  # of the impulses, at most
 _ROUNDS = 20  # of the fail-safe, at most
 _GENTLE_ROUNDS = 12  # of them with impulses along the normal; then colliding nodes move as one
 _ADVANCES = 64  # of the continuous test, at most
 KEPT = 0.2  # share of its distance that a pair keeps within a step, whatever happens
 _PARALLEL = 0.05  # sine below which the common normal of two edges says nothing
 _SIDEWAYS = 0.1  # cosine to the pseudo-normal of a body below which a normal is neither inward nor outward
-# Change of relative velocity at which the impulses have converged: m/s, far below what the rest test sees, or this share of the fastest speed.
-_SETTLED, _SETTLED_SHARE = 1e-8, 1e-5
 
 
 class Pairs(NamedTuple):
@@ -98,13 +95,13 @@ def combined(w, a, b, c, d):  # type: ignore[no-untyped-def]
 
 
 @inlined_kernel
-def _row4(array, index):  # type: ignore[no-untyped-def]
+def row4(array, index):  # type: ignore[no-untyped-def]
     """Row `index` of an (N,4) array as a tuple."""
     return array[index, 0], array[index, 1], array[index, 2], array[index, 3]
 
 
 @inlined_kernel
-def _four(points, nodes):  # type: ignore[no-untyped-def]
+def four(points, nodes):  # type: ignore[no-untyped-def]
     return row(points, nodes[0]), row(points, nodes[1]), row(points, nodes[2]), row(points, nodes[3])
 
 
@@ -126,8 +123,8 @@ def _stand_range(span, pairs, path, motion, surface, stand):  # type: ignore[no-
     positions, velocities, _, time_step = motion
     for place in range(span[0], span[1]):
         n = stand.looked[place]
-        kind, nodes = pairs.kind[n], _row4(pairs.nodes, n)
-        a, b, c, d = _four(positions, nodes)
+        kind, nodes = pairs.kind[n], row4(pairs.nodes, n)
+        a, b, c, d = four(positions, nodes)
         weights, apart, inside = closest_points(kind, a, b, c, d)
         if kind == VERTEX_TRIANGLE:
             facing = cross(minus(c, b), minus(d, b))
@@ -149,7 +146,7 @@ def _stand_range(span, pairs, path, motion, surface, stand):  # type: ignore[no-
             normal = (apart[0] / distance, apart[1] / distance, apart[2] / distance)
         if pairs.outside[n] >= 0 and abs(distance) <= 0.5 * pairs.gap[n] and _leads_inward(n, pairs, surface, weights, normal):
             normal, distance = (-normal[0], -normal[1], -normal[2]), -distance
-        p, q, r, s = _four(velocities, nodes)
+        p, q, r, s = four(velocities, nodes)
         closing = dot(combined(weights, p, q, r, s), normal)
         for corner in range(4):
             stand.weights[n, corner] = weights[corner]
@@ -195,33 +192,7 @@ def _push(nodes, weights, impulse, planes, motion):  # type: ignore[no-untyped-d
 
 
 @inlined_kernel
-def _impel(nodes, weights, impulse, inverse_masses, free):  # type: ignore[no-untyped-def]
-    """Impulse on the four nodes of a pair, in their velocities free of planes."""
-    for corner in range(4):
-        node = nodes[corner]
-        u = along(row(free, node), impulse, weights[corner] * inverse_masses[node])
-        free[node, 0], free[node, 1], free[node, 2] = u
-
-
-@inlined_kernel
-def _settle(node, planes, grip, motion, free):  # type: ignore[no-untyped-def]
-    """Velocity of a node after its planes. What they take, with friction, is no impulse of a pair: it comes back when the pair presses less. So it is taken
-    anew from the velocity without it, `free`; and where pairs are content, the planes' own response afterwards changes nothing."""
-    positions, velocities, inverse_masses, time_step = motion
-    u = row(free, node)
-    if node < len(planes.held) and planes.held[node] > 0 and inverse_masses[node] > 0.0:
-        u, _ = held(node, planes, grip.friction[node], row(positions, node), u, time_step)
-    velocities[node, 0], velocities[node, 1], velocities[node, 2] = u
-
-
-@inlined_kernel
-def _copy_rows(nodes, source, target):  # type: ignore[no-untyped-def]
-    for node in nodes:
-        target[node, 0], target[node, 1], target[node, 2] = source[node, 0], source[node, 1], source[node, 2]
-
-
-@inlined_kernel
-def _give(nodes, weights, inverse_masses):  # type: ignore[no-untyped-def]
+def give_of(nodes, weights, inverse_masses):  # type: ignore[no-untyped-def]
     """Change of the relative velocity for a unit impulse, 1/kg."""
     give = 0.0
     for corner in range(4):
@@ -230,10 +201,10 @@ def _give(nodes, weights, inverse_masses):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _mark(n, pairs, stand):  # type: ignore[no-untyped-def]
+def mark(n, pairs, stand):  # type: ignore[no-untyped-def]
     if pairs.impulse[n, 0] > 0.0:
         by = BY_BODY if pairs.outside[n] >= 0 else BY_CLOTH
-        for node in _row4(pairs.nodes, n):
+        for node in row4(pairs.nodes, n):
             stand.pressed[node] = max(stand.pressed[node], by)
 
 
@@ -242,199 +213,7 @@ def mark_pressed(pairs, stand):  # type: ignore[no-untyped-def]
     """Set `stand.pressed` from the impulses of the last step."""
     stand.pressed[:] = 0
     for n in range(len(pairs.impulse)):
-        _mark(n, pairs, stand)
-
-
-@kernel
-def _root(root, node):  # type: ignore[no-untyped-def]
-    """The node that stands for all that hang together with `node`."""
-    while root[node] != node:
-        root[node] = root[root[node]]
-        node = root[node]
-    return node
-
-
-@kernel
-def deal_islands(many, pairs, stand):  # type: ignore[no-untyped-def]
-    """Put the first `many` of `stand.chosen` in the order of their islands, pairs that hang together by their nodes, and deal these out to the threads, by the
-    visits that they took last: thread k has chosen[parts[k] : parts[k + 1]], and an island ends before place `end` of the root of its nodes. Pairs of an
-    island stay in their order."""
-    chosen, dealt, root, size, load, end = stand.chosen, stand.dealt, stand.root, stand.size, stand.load, stand.end
-    parts, loads = stand.parts, stand.loads
-    threads = len(parts) - 1
-    for c in range(many):
-        for node in _row4(pairs.nodes, chosen[c]):
-            root[node], size[node], load[node], end[node] = node, 0, 0, -1
-    for c in range(many):
-        nodes = _row4(pairs.nodes, chosen[c])
-        together = _root(root, nodes[0])
-        for corner in range(1, 4):
-            root[_root(root, nodes[corner])] = together
-    total = 0
-    for c in range(many):
-        node, dealt[c] = _root(root, pairs.nodes[chosen[c], 0]), chosen[c]
-        size[node] += 1
-        load[node] += stand.visits[chosen[c]]
-        total += stand.visits[chosen[c]]
-    # The large ones first, or the last one makes its part the largest by far. `end` is the part of an island until all are dealt out.
-    parts[:], loads[:] = 0, 0
-    for share in (4, 16, total):
-        for c in range(many):
-            node = _root(root, pairs.nodes[chosen[c], 0])
-            if end[node] < 0 and load[node] * share >= total:
-                end[node] = 0
-                for k in range(1, threads):
-                    if loads[k] < loads[end[node]]:
-                        end[node] = k
-                loads[end[node]] += load[node]
-                parts[end[node] + 1] += size[node]
-    for k in range(threads):
-        parts[k + 1] += parts[k]
-    for c in range(many):
-        node = _root(root, pairs.nodes[dealt[c], 0])
-        if size[node] > 0:
-            k = end[node]
-            end[node], parts[k], size[node] = parts[k], parts[k] + size[node], 0
-        chosen[end[node]] = dealt[c]
-        end[node] += 1
-    for k in range(threads, 0, -1):
-        parts[k] = parts[k - 1]
-    parts[0] = 0
-
-
-@kernel
-def _write_contacts(span, pairs, stand, motion):  # type: ignore[no-untyped-def]
-    """Into `stand.contacts` and `stand.corners` all that the sweeps need of the pairs chosen[span[0] : span[1]]: side by side, because their places among all
-    pairs lie far apart, and their visits are many. Impulses are those of the last step, without what is no longer sliding."""
-    for c in range(span[0], span[1]):
-        n, contact = stand.chosen[c], stand.contacts[c]
-        nodes, weights, normal, before = _row4(pairs.nodes, n), _row4(stand.weights, n), row(stand.normal, n), _row4(pairs.impulse, n)
-        for corner in range(4):
-            stand.corners[c, corner], contact[corner] = nodes[corner], weights[corner]
-        slide = (before[1], before[2], before[3])
-        slide = along(slide, normal, -dot(slide, normal))
-        for axis in range(3):
-            contact[4 + axis], contact[11 + axis] = normal[axis], slide[axis]
-        contact[7] = demanded(stand.distance[n] - pairs.gap[n], motion[3])
-        contact[8], contact[9], contact[10], contact[15] = _give(nodes, weights, motion[2]), pairs.friction[n], before[0], 1.0
-
-
-@long_kernel
-def sweep(span, stand, planes, grip, settled, motion):  # type: ignore[no-untyped-def]
-    """Sweeps over the contacts span[0] to span[1] - 1, none of whose nodes belongs to another; settled: change of relative velocity, m/s, at which they have
-    converged. Impulses, friction's work on the nodes [J] and the number of visits go into columns 10 to 15 of `stand.contacts`."""
-    _, velocities, inverse_masses, _ = motion
-    contacts, corners, free, stirred, visited = stand.contacts, stand.corners, stand.free, stand.stirred, stand.visited
-    for c in range(span[0], span[1]):
-        nodes = _row4(corners, c)
-        _copy_rows(nodes, velocities, free)
-        for node in nodes:
-            stirred[node] = -1
-    for c in range(span[0], span[1]):
-        slide = (contacts[c, 11], contacts[c, 12], contacts[c, 13])
-        start = along(slide, (contacts[c, 4], contacts[c, 5], contacts[c, 6]), contacts[c, 10])
-        _impel(_row4(corners, c), _row4(contacts, c), start, inverse_masses, free)
-        visited[c] = 0
-    for c in range(span[0], span[1]):
-        for node in _row4(corners, c):
-            if stirred[node] < 0:
-                stirred[node] = 0
-                _settle(node, planes, grip, motion, free)
-    # A pair is content until a node of it is stirred: most are after the first visits, a few that hang together go on.
-    visit = 0
-    for _ in range(_SWEEPS):
-        before_sweep = visit
-        for c in range(span[0], span[1]):
-            nodes = _row4(corners, c)
-            if max(stirred[nodes[0]], stirred[nodes[1]], stirred[nodes[2]], stirred[nodes[3]]) < visited[c]:
-                continue
-            visit += 1
-            visited[c] = visit
-            contacts[c, 15] += 1.0
-            weights, normal, give = _row4(contacts, c), (contacts[c, 4], contacts[c, 5], contacts[c, 6]), contacts[c, 8]
-            p, q, r, s = _four(velocities, nodes)
-            speed = combined(weights, p, q, r, s)
-            before = contacts[c, 10]
-            contacts[c, 10] = max(0.0, before + (contacts[c, 7] - dot(speed, normal)) / give)
-            step = contacts[c, 10] - before
-            # Friction: the impulse that would stop the sliding, cut to the cone of the normal impulse so far.
-            slide = along(speed, normal, -dot(speed, normal))
-            grasp = (contacts[c, 11], contacts[c, 12], contacts[c, 13])
-            goal = minus(grasp, (slide[0] / give, slide[1] / give, slide[2] / give))
-            size, limit = math.sqrt(dot(goal, goal)), contacts[c, 9] * contacts[c, 10]
-            if size > limit:
-                goal = (goal[0] * limit / size, goal[1] * limit / size, goal[2] * limit / size)
-            change = minus(goal, grasp)
-            contacts[c, 11], contacts[c, 12], contacts[c, 13] = goal
-            change = along(change, normal, step)
-            if dot(change, change) > 0.0:
-                _impel(nodes, weights, change, inverse_masses, free)
-                for node in nodes:
-                    _settle(node, planes, grip, motion, free)
-                if math.sqrt(dot(change, change)) * give >= settled:
-                    for node in nodes:
-                        stirred[node] = visit
-        if visit == before_sweep:
-            break
-    for c in range(span[0], span[1]):
-        p, q, r, s = _four(velocities, _row4(corners, c))
-        contacts[c, 14] = dot((contacts[c, 11], contacts[c, 12], contacts[c, 13]), combined(_row4(contacts, c), p, q, r, s))
-    # The planes' own response follows, with their friction: it needs the velocities with which particles press on the body.
-    for c in range(span[0], span[1]):
-        _copy_rows(_row4(corners, c), free, velocities)
-
-
-@long_kernel
-def _sweep_islands(k, pairs, stand, planes, grip, settled, motion):  # type: ignore[no-untyped-def]
-    """The islands of thread k, one after the other: what one of them needs stays near."""
-    begin = stand.parts[k]
-    while begin < stand.parts[k + 1]:
-        span = begin, stand.end[_root(stand.root, pairs.nodes[stand.chosen[begin], 0])]
-        _write_contacts(span, pairs, stand, motion)
-        sweep(span, stand, planes, grip, settled, motion)
-        for c in range(span[0], span[1]):
-            n = stand.chosen[c]
-            pairs.impulse[n, 0], pairs.impulse[n, 1] = stand.contacts[c, 10], stand.contacts[c, 11]
-            pairs.impulse[n, 2], pairs.impulse[n, 3] = stand.contacts[c, 12], stand.contacts[c, 13]
-            stand.work[n], stand.visits[n] = stand.contacts[c, 14], np.int32(stand.contacts[c, 15])
-            _mark(n, pairs, stand)
-        begin = span[1]
-
-
-@parallel_kernel
-def _sweep_all(pairs, stand, planes, grip, settled, motion):  # type: ignore[no-untyped-def]
-    # On one thread, too, this takes half the time of a plain call: references to arrays are counted at each use there, but not in a parallel region.
-    for k in prange(len(stand.parts) - 1):
-        _sweep_islands(np.int64(k), pairs, stand, planes, grip, settled, motion)
-
-
-@long_kernel
-def keep_apart(count, pairs, stand, planes, grip, fastest, motion):  # type: ignore[no-untyped-def]
-    """Correct velocities in place so that the first `count` pairs of `stand.looked` keep their gaps over the step, or come back to them gently: sweeps of
-    inelastic impulses with Coulomb friction over the active ones, in their order, island by island.
-
-    fastest: m/s, of all nodes; motion: positions, velocities (N,3), inverse masses (N,) of particles and body vertices, time step. Returns the work of
-    friction on the nodes, J, negative.
-    """
-    chosen, many = stand.chosen, 0
-    stand.pressed[:] = 0
-    for place in range(count):
-        n = stand.looked[place]
-        stand.work[n] = 0.0
-        if stand.active[n] and _give(_row4(pairs.nodes, n), _row4(stand.weights, n), motion[2]) > 0.0:
-            chosen[many] = n
-            many += 1
-        else:
-            pairs.impulse[n, 0] = pairs.impulse[n, 1] = pairs.impulse[n, 2] = pairs.impulse[n, 3] = 0.0
-    if many == 0:
-        return 0.0
-    deal_islands(many, pairs, stand)
-    settled = max(_SETTLED, _SETTLED_SHARE * fastest)
-    _sweep_all(pairs, stand, planes, grip, settled, motion)
-    work = 0.0
-    for place in range(count):
-        work += stand.work[stand.looked[place]]
-    return work
+        mark(n, pairs, stand)
 
 
 @kernel
@@ -444,8 +223,8 @@ def time_of_contact(kind, nodes, positions, velocities, time_step, kept):  # typ
     Advances by no more than the remaining distance allows: no two points of the elements approach faster than the fastest nodes, so nothing is missed. A
     pair that slides along very close may end early, after a fixed number of advances.
     """
-    a, b, c, d = _four(positions, nodes)
-    p, q, r, s = _four(velocities, nodes)
+    a, b, c, d = four(positions, nodes)
+    p, q, r, s = four(velocities, nodes)
     mean = (0.25 * (p[0] + q[0] + r[0] + s[0]), 0.25 * (p[1] + q[1] + r[1] + s[1]), 0.25 * (p[2] + q[2] + r[2] + s[2]))
     p, q, r, s = minus(p, mean), minus(q, mean), minus(r, mean), minus(s, mean)
     pp, qq, rr, ss = math.sqrt(dot(p, p)), math.sqrt(dot(q, q)), math.sqrt(dot(r, r)), math.sqrt(dot(s, s))
@@ -468,18 +247,18 @@ def _collide(n, pairs, stand, motion):  # type: ignore[no-untyped-def]
     """Part of the step after which pair n would lose most of its distance; 2 if it keeps it."""
     positions, velocities, _, time_step = motion
     kept = KEPT * min(stand.distance[n], pairs.gap[n])
-    return time_of_contact(pairs.kind[n], _row4(pairs.nodes, n), positions, velocities, time_step, kept)
+    return time_of_contact(pairs.kind[n], row4(pairs.nodes, n), positions, velocities, time_step, kept)
 
 
 @kernel
 def _part(n, turn, t, pairs, planes, motion):  # type: ignore[no-untyped-def]
     """Take from pair n the motion in which it would meet at the part t of the step."""
     positions, velocities, inverse_masses, time_step = motion
-    nodes, now = _row4(pairs.nodes, n), t * time_step
-    a, b, c, d = _four(positions, nodes)
-    p, q, r, s = _four(velocities, nodes)
+    nodes, now = row4(pairs.nodes, n), t * time_step
+    a, b, c, d = four(positions, nodes)
+    p, q, r, s = four(velocities, nodes)
     weights, apart, _ = closest_points(pairs.kind[n], along(a, p, now), along(b, q, now), along(c, r, now), along(d, s, now))
-    normal, give = unit(apart), _give(nodes, weights, inverse_masses)
+    normal, give = unit(apart), give_of(nodes, weights, inverse_masses)
     if give == 0.0:
         return
     if turn < _GENTLE_ROUNDS:
@@ -544,7 +323,7 @@ def fastest_of(velocities):  # type: ignore[no-untyped-def]
 @kernel
 def _measure(nodes, kind, positions, distance):  # type: ignore[no-untyped-def]
     for n in range(len(nodes)):
-        a, b, c, d = _four(positions, _row4(nodes, n))
+        a, b, c, d = four(positions, row4(nodes, n))
         _, apart, _ = closest_points(kind[n], a, b, c, d)
         distance[n] = math.sqrt(dot(apart, apart))
 
