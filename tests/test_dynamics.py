@@ -229,7 +229,7 @@ def test_the_cap_leaves_what_presses_on_the_body_and_nothing_else() -> None:
     planes.held[:], planes.normal[:, 0], planes.room[1:3, 0] = 1, [0.0, 1.0, 0.0], 3e-3
     sums = Sums(np.arange(6, dtype=np.int32), np.arange(5, dtype=np.int32), forces, np.zeros(5), np.ones(5))
     velocities, out = np.zeros((5, 3)), np.zeros((CHUNKS, 2))
-    advance_velocities(sums, (1e-3, 1.0), np.zeros(5), np.ones(5), planes, np.array([0, 0, 1, 0, 0], np.int8), positions, velocities, out)
+    advance_velocities(sums, (1e-3, 1.0), (np.zeros(5), np.ones(5), np.zeros((5, 3))), planes, np.array([0, 0, 1, 0, 0], np.int8), positions, velocities, out)
     expected = np.array([[0.0, -50.0, 0.0], [0.0, -1.0, 0.0], [0.0, -50.0, 0.0], [1.0, -40.0, 0.0], [0.0, 1.0, 0.0]])
     assert velocities == pytest.approx(expected, abs=1e-12)
     assert math.sqrt(out[:, 0].max()) == pytest.approx(math.sqrt(2.0)), "what contact takes is no speed"

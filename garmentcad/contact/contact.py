@@ -239,6 +239,13 @@ class Contact:
         covered = max(least, min(_STEPS * reserve_m, _COVERED_FAST * self._spacing), 1.01 * SURGE * reserve_m)
         self._store(state, self.near(state, covered), covered)
 
+    def touching(self, state: State) -> np.ndarray:
+        """(P,) bool: particles of candidate pairs, and those that have a face of the body below them."""
+        found = state.contact["planes_held"] > 0
+        nodes = state.contact["pair_nodes"]
+        found[nodes[nodes < self.count]] = True
+        return found
+
     def near(self, state: State, way_m: float) -> Pairs:
         """All pairs that may come below their gap while no node goes farther than `way_m`; the state stays as it is."""
         positions, reach = floats(state.positions), float(self._cloth_gap.max(initial=LEAST_GAP)) + 2.0 * way_m

@@ -102,3 +102,10 @@ class ForceAssembly:
         for force, part in zip(self.forces, self._parts):
             force.write_stiffness(positions, self._corner_stiffness[part])
         out[:] = np.bincount(self._particles, weights=self._corner_stiffness[self._used], minlength=len(out))
+
+    def bending_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
+        """As `stiffness`, of the forces against bending alone: what a cloth has across itself where nothing pulls at it."""
+        self._corner_stiffness[:] = 0.0
+        for force, part in zip(self.forces, self._parts):
+            force.write_bending_stiffness(positions, self._corner_stiffness[part])
+        out[:] = np.bincount(self._particles, weights=self._corner_stiffness[self._used], minlength=len(out))

@@ -283,6 +283,9 @@ class ForceBend(OneLaw):
         angle, _ = self._angle_and_arms(positions)
         return stored(self._lines.stiffness, self.strain(positions), self.slack() if sliders is None else sliders, self.way, angle)
 
+    def write_bending_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
+        self.write_stiffness(positions, out)
+
     def write_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
         # |dt/d(end of arm)| = 1/|arm|, and at the centre the sum of both; (1 + t) covers the curvature of t
         angle, arms = self._angle_and_arms(positions)

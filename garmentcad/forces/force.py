@@ -55,6 +55,10 @@ class Force(Protocol):
         frequency counts."""
 
 
+    def write_bending_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
+        """As `write_stiffness`, of the laws against bending; out is zero and stays so where there are none."""
+
+
 class BodyForce(Protocol):
     """Force on each particle by itself: weight."""
 
@@ -78,6 +82,9 @@ class OneLaw:
     def gauge(self, positions: np.ndarray) -> Gauge:
         none = np.empty(0)
         return Gauge(none, none, none, none)
+
+    def write_bending_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
+        """None, unless they say otherwise."""
 
     def energy(self, positions: np.ndarray, sliders: np.ndarray | None = None) -> float:
         raise NotImplementedError

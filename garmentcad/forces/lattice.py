@@ -241,6 +241,13 @@ class ForceLattice:
     def write_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
         self._gather_stiffness(lambda law, corners: law.write_stiffness(positions, corners), out)
 
+    def write_bending_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
+        def against_bending(law: _Law, corners: np.ndarray) -> None:
+            if isinstance(law, LawTwist | ForceBend):
+                law.write_stiffness(positions, corners)
+
+        self._gather_stiffness(against_bending, out)
+
     def write_rest_stiffness(self, out: np.ndarray) -> None:
         """`write_stiffness` of stretch and shear at rest, wherever the panels lie."""
 

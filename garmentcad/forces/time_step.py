@@ -10,6 +10,7 @@ Lanczos' method on M^-1/2 K M^-1/2, K v by differences of forces (Lanczos 1950; 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
@@ -39,21 +40,21 @@ def internal_damping_time(stiffness: np.ndarray, masses: np.ndarray, ratio: floa
     return 2.0 * ratio / frequency if frequency > 0.0 else 0.0
 
 
-def measured_frequency(forces: ForceAssembly, positions: np.ndarray, inverse_masses: np.ndarray) -> float:
-    """Highest angular frequency [rad/s] of small motions about `positions` (P,3), hardly too low, all of whose internal friction holds; inverse_masses (P,)
-    [1/kg], 0 where a particle is held."""
-    root = np.sqrt(inverse_masses)[:, None]
+def measured_frequency(forces: ForceAssembly, positions: np.ndarray, root: Callable[[np.ndarray], np.ndarray]) -> float:
+    """Highest angular frequency [rad/s] of small motions about `positions` (P,3), hardly too low, all of whose internal friction holds; root: M^-1/2 times
+    vectors (P,3), 0 where a particle is held."""
     still, at_home, nudged = np.zeros_like(positions), np.empty_like(positions), np.empty_like(positions)
     sliders = forces.drawn(positions, STUCK)
     forces.add_up(positions, still, at_home, sliders)
-    before, mode = np.zeros_like(positions), np.random.default_rng(0).standard_normal(positions.shape) * (root > 0.0)
+    before, mode = np.zeros_like(positions), np.random.default_rng(0).standard_normal(positions.shape)
+    mode[~root(mode).any(axis=1)] = 0.0
     mode /= math.sqrt(float((mode * mode).sum()))
     diagonal, beside = [], [0.0]
     for _ in range(LANCZOS_STEPS):
-        way = root * mode
+        way = root(mode)
         nudge = _NUDGE_M / np.abs(way).max()
         forces.add_up(positions + nudge * way, still, nudged, sliders)
-        image = root * (at_home - nudged) / nudge - beside[-1] * before
+        image = root((at_home - nudged) / nudge) - beside[-1] * before
         diagonal.append(float((mode * image).sum()))
         image -= diagonal[-1] * mode
         beside.append(math.sqrt(float((image * image).sum())))

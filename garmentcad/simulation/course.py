@@ -50,9 +50,13 @@ STIFFEN_S = 0.3
 TIGHT_STRAIN, TIGHT_LINKS = 2.0 / 3.0, 0.01
 # No part of a garment that is being dressed goes faster than this; what a weld or a snap sets free would. At a step of 0.1 ms it is 1 % of 10 mm.
 SPEED_CAP_M_S = 1.0
-# Settling: the drag of a patch follows the frequency that it shows, acceleration over speed: what is critical for a slow fold lets fast modes ring, and what is
-# critical for fast modes makes slow ones creep. Patch by patch, because a few particles that snap over must not hold back all others. At least critical
-# for a mode of 4 rad/s, about the slowest of a skirt.
+# Settling with fictitious masses: the drag falls with the time since, as beta/t. A drag that is critical for fast modes makes slow ones creep, and one for slow
+# modes lets fast ones ring; under beta/t a mode of frequency w comes to rest from t = beta/(2 w) on as (w t)^(-beta/2), whatever w, and none has to be known.
+SETTLE_DECAY = 5.0
+# What touches nothing resists less across the cloth (inertia.py) from the first look on at which the residual is below this: before, folds turn too fast.
+CALM_G = 0.1
+# Settling with true masses: the drag of a patch follows the frequency that it shows, acceleration over speed. Patch by patch, because a few particles that snap
+# over must not hold back all others. In both at least critical for a mode of 4 rad/s, about the slowest of a skirt.
 SETTLE_DRAG, SETTLE_SHARE, SETTLE_MOST = 8.0, 0.3, 200.0
 # A watch begins when the residual is below this part of what it must not exceed at its end: slow modes that drag held down go on under less of it.
 READY = 0.7
@@ -64,6 +68,7 @@ WATCH_S = 0.3
 # Below this RMS speed a movement is not called growing: 1 mm/s for 0.3 s is a third of a millimetre.
 STILL_M_S = 1e-3
 _SLIPS = "slips"  # in State.run: whether cloth slips while tension comes back
+_CALM = "calm"  # in State.run: whether the residual has been below CALM_G
 SMALLEST_STEP_FACTOR = 1.0 / 8.0  # of the time step that the stiffness allows, to which a run that diverges is taken back before it is given up
 
 
@@ -145,6 +150,7 @@ class Course:
         # The shares of contact and of a pin or button that it holds against depend on inertia: what is to be at rest with true masses settles with them.
         held = dynamics.constraint is not None or self._buttoned
         dynamics.equalise = self.mode == "drape" and (state.phase == "fall" or (state.phase == "settle" and not held))
+        dynamics.lighten = state.phase == "settle" and _CALM in state.run
         dynamics.speed_cap_m_s = SPEED_CAP_M_S if self.mode == "drape" else math.inf
         softness = 1.0
         if self.mode == "drape" and state.phase == "fall":
@@ -157,7 +163,8 @@ class Course:
         if softness != dynamics.softness:
             self.soften(softness)
             dynamics.softness = softness
-        drags: dict[str, float | np.ndarray] = {"fall": FALL_DRAG, "settle": state.contact.get("settle_drag", SETTLE_DRAG), "watch": WATCH_DRAG}
+        settling = state.contact.get("settle_drag", SETTLE_MOST if dynamics.equalise else SETTLE_DRAG)
+        drags: dict[str, float | np.ndarray] = {"fall": FALL_DRAG, "settle": settling, "watch": WATCH_DRAG}
         dynamics.drag = drags[state.phase] if self.mode == "drape" else AIR_DRAG
 
     def _watch(self, state: State) -> None:
@@ -179,8 +186,13 @@ class Course:
                 self._enter(state, "settle")
         elif state.phase == "settle":
             left = self.last = residual(self.dynamics, state, self._patch)
+            if left.rms_g < CALM_G:
+                state.run[_CALM] = 1.0
             self._follow(state, left)
             if left.rms_g < READY * RESIDUAL_G and left.worst_patch_g < READY * PATCH_RESIDUAL_G:
+                if self.dynamics.equalise:
+                    # Speeds of fictitious masses mean nothing to the true ones: light cloth would ring with up to 64 times its energy.
+                    state.velocities[:] = 0.0
                 self._enter(state, "watch")
                 state.run["watch_from_s"] = state.time_s
         elif state.phase == "watch" and state.time_s - state.run["watch_from_s"] >= WATCH_S:
@@ -190,11 +202,13 @@ class Course:
         look(Progress(state.phase, state.step, state.time_s, None, None if left is None else left.rms_g, rms, self._eta(state, left)))
 
     def _follow(self, state: State, left: Residual) -> None:
-        """Set the drag of the settling of each patch, from how it moves."""
-        masses = self.dynamics.cloth.masses
-        speeds = np.sqrt(mean_over(self._patch, masses, (state.velocities**2).sum(axis=1)))
-        frequency = GRAVITY_M_S2 * left.patches_g / np.maximum(speeds, 1e-9)
-        state.contact["settle_drag"] = np.clip(SETTLE_SHARE * frequency, SETTLE_DRAG, SETTLE_MOST)[self._patch]
+        """Set the drag of the settling, from its time; with true masses that of each patch, from how it moves."""
+        if self.dynamics.equalise:
+            drag = np.full(len(left.patches_g), SETTLE_DECAY / max(state.time_s - state.run["phase_from_s"], 1e-9))
+        else:
+            speeds = np.sqrt(mean_over(self._patch, self.dynamics.cloth.masses, (state.velocities**2).sum(axis=1)))
+            drag = SETTLE_SHARE * GRAVITY_M_S2 * left.patches_g / np.maximum(speeds, 1e-9)
+        state.contact["settle_drag"] = np.clip(drag, SETTLE_DRAG, SETTLE_MOST)[self._patch]
 
     def _eta(self, state: State, left: Residual | None) -> float | None:
         """From the slope of log residual between looks."""

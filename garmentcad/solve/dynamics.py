@@ -20,6 +20,7 @@ from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.internal import BINS, law_arguments
 from garmentcad.forces.time_step import SAFETY, measured_frequency
 from garmentcad.kernel_cache import compile_beside
+from garmentcad.solve.inertia import light_across, root_eased
 from garmentcad.solve.steps import CUT, DONE, LOOK, MOST_CUTS, RUNAWAY, TORN, TORN_LENGTH, Controls, mean_square, run_steps
 from garmentcad.solve.strain_limit import StrainLimit
 
@@ -66,17 +67,19 @@ class Dynamics:
 
     forces: those of `internal_forces` and weight. drag: rate c [1/s], one or (P,), relative to air at rest, in proportion to the mass that resists.
     equalise: drape mode; masses of particles whose own stable step is shorter than the median's are raised until it is not (the shape at rest does not depend
-    on them). speed_cap_m_s: forces make no particle faster, but press it on the body where it lies there. The time step rests on tangents that are a few steps
-    old, and tension stiffens with strain: what a weld or a snap sets free must not run ahead of them. steady: tangents hardly change, so the time step comes
-    from the highest frequency itself and not from its bound. step_factor: multiplies the time step, for a run that diverged at the step that its stiffness
+    on them). lighten: besides, what touches nothing resists less across the cloth (inertia.py), as `across` (P,3) says. speed_cap_m_s: forces make no particle
+    faster, but press it on the body where it lies there. The time step rests on tangents that are a few steps old, and tension stiffens with strain: what a
+    weld or a snap sets free must not run ahead of them. steady: tangents hardly change, so the time step comes from the highest frequency itself and not from
+    its bound. step_factor: multiplies the time step, for a run that diverged at the step that its stiffness
     allows. softness: by which tension in `forces` is divided, so that a change of it is noticed. fixed: (P,) bool, particles that do not move.
     """
 
     def __init__(self, cloth: Cloth, forces: ForceAssembly, limit: StrainLimit, contact: Contact, fixed: np.ndarray | None = None) -> None:
         self.cloth, self.forces, self.limit, self.contact = cloth, forces, limit, contact
-        self.equalise = self.steady = False
+        self.equalise = self.steady = self.lighten = False
         self.drag: float | np.ndarray = 0.0
         self._drag = np.zeros(cloth.particle_count)
+        self.across = np.zeros((cloth.particle_count, 3))
         self.speed_cap_m_s = math.inf
         self.step_factor = self.softness = 1.0
         self.constraint: ConstraintPoints | None = None
@@ -111,13 +114,13 @@ class Dynamics:
 
     def estimate_time_step(self, state: State) -> None:
         """Largest stable step for the tangents, and in drape mode the masses for the median particle's step; where nothing has moved, those of before."""
-        key = np.array([self.equalise, self.steady, self.step_factor, self.softness], dtype=np.float64)
+        key = np.array([self.equalise, self.lighten, self.steady, self.step_factor, self.softness], dtype=np.float64)
         home = state.contact.get("stiff_home")
         known = home is not None and np.array_equal(key, state.contact["stiff_key"])
         fresh = home is None or not known or self._moved_on(state, home)
         if fresh:
             home = state.positions.copy()
-            state.contact |= {"stiff_home": home, "stiff_key": key}
+            state.contact |= {"stiff_home": home, "stiff_key": key, "stiff_touching": self.contact.touching(state)}
         elif home is self._estimated_at:
             return
         began, before = time.perf_counter(), state.time_step_s
@@ -145,6 +148,12 @@ class Dynamics:
         smallest = float(own.min(initial=np.inf))
         if not np.isfinite(smallest):
             smallest = 1e-3
+        self.across[:] = 0.0
+        if equalise and self.lighten:
+            home, bending = state.contact["stiff_home"], np.empty_like(self._stiffness)
+            self.forces.bending_stiffness(home, bending)
+            limp = np.where(self.fixed | state.contact["stiff_touching"], 0.0, self._stiffness / np.maximum(bending, 1e-30))
+            self.across[:] = light_across(self.cloth.particle_triangles, home, limp)
         if equalise:
             wanted = float(np.median(own[moving]))
             self.set_inverse_masses(self.true_inverse_masses / np.maximum(1.0, (wanted / own) ** 2))
@@ -152,7 +161,8 @@ class Dynamics:
             wanted = smallest
             self.set_inverse_masses(self.true_inverse_masses)
         if steady:
-            frequency = measured_frequency(self.forces, state.contact["stiff_home"], self.inverse_masses)
+            masses = np.sqrt(self.inverse_masses)[:, None]
+            frequency = measured_frequency(self.forces, state.contact["stiff_home"], lambda vectors: masses * root_eased(vectors, self.across))
             wanted = max(wanted, 2.0 * SAFETY / frequency) if frequency > 0.0 else wanted
         self._set_step(state, self.step_factor * wanted, self.inverse_masses)
 
@@ -170,12 +180,13 @@ class Dynamics:
         if not self.equalise:
             yield
             return
-        own = state.time_step_s, self.inverse_masses
+        own, across = (state.time_step_s, self.inverse_masses), self.across.copy()
         self._choose_step(state, False, False)
         try:
             yield
         finally:
             self._set_step(state, *own)
+            self.across[:] = across
 
     @contextmanager
     def loaded(self) -> Iterator[None]:
@@ -212,7 +223,7 @@ class Dynamics:
     def _stretch(self, state: State, steps: int, hold: bool = False) -> None:
         contact, count, dt = self.contact, self.cloth.particle_count, state.time_step_s
         self._drag[:] = self.drag
-        controls = Controls(dt, self._drag, self.speed_cap_m_s, RUNAWAY_M_S, SURGE)
+        controls = Controls(dt, self._drag, self.across, self.speed_cap_m_s, RUNAWAY_M_S, SURGE)
         lost = np.zeros(BINS)
         laws, sums = law_arguments(self.forces.forces, state.friction, lost), self.forces.sums(self._masses)
         bonds = no_bonds()

@@ -1,8 +1,9 @@
 """Many steps in one call: modified Euler after Provot, with every correction of the velocity between forces and positions.
 
-    v <- v + dt (F/M + (m/M) g - c v)     constraints     strain limiting     contact (last word)     x <- x + dt v
+    v <- v + dt (M^-1 (F + m g) - c v)     constraints     strain limiting     contact (last word)     x <- x + dt v
 
-m true mass, M mass that resists: it exceeds m only where drape mode slows a fast element down (weight is that of the true mass, drag that of M).
+m true mass, M what resists: another one than m only where drape mode slows a fast element down or lets limp cloth sway faster (inertia.py; weight is that of
+the true mass, drag that of M).
 Source: Provot 1995, velocity before position, every correction of the velocity between the two.
 """
 
@@ -34,14 +35,16 @@ class Controls(NamedTuple):
 
     time_step: float  # s
     drag: np.ndarray  # (P,) 1/s
+    across: np.ndarray  # (P,3) of inertia.py
     speed_cap: float  # m/s, forces make no particle faster, but press it on the body where it lies there
     runaway: float  # m/s
     surge: float  # of the fastest speed before a response, up to which contact counts on it
 
 
 @kernel
-def _advance_of(particles, sums, rates, drag, inverse_masses, planes, pressed, positions, velocities, out):  # type: ignore[no-untyped-def]
+def _advance_of(particles, sums, rates, inertia, planes, pressed, positions, velocities, out):  # type: ignore[no-untyped-def]
     time_step, cap = rates
+    drag, inverse_masses, across = inertia
     largest = 0.0
     for p in range(particles[0], particles[1]):
         fx = fy = fz = 0.0
@@ -51,7 +54,10 @@ def _advance_of(particles, sums, rates, drag, inverse_masses, planes, pressed, p
         push, keep = time_step * inverse_masses[p], 1.0 - time_step * drag[p]
         if push == 0.0:
             keep = 1.0
-        x, y, z = keep * velocities[p, 0] + push * fx, keep * velocities[p, 1] + push * (fy - sums.weight[p]), keep * velocities[p, 2] + push * fz
+        fy -= sums.weight[p]
+        light = across[p, 0] * fx + across[p, 1] * fy + across[p, 2] * fz
+        fx, fy, fz = fx + light * across[p, 0], fy + light * across[p, 1], fz + light * across[p, 2]
+        x, y, z = keep * velocities[p, 0] + push * fx, keep * velocities[p, 1] + push * fy, keep * velocities[p, 2] + push * fz
         square = x * x + y * y + z * z
         # not a number stays one: the comparison is false
         if square > cap * cap:
@@ -77,12 +83,13 @@ def _advance_of(particles, sums, rates, drag, inverse_masses, planes, pressed, p
 
 
 @parallel_kernel
-def advance_velocities(sums, rates, drag, inverse_masses, planes, pressed, positions, velocities, out):  # type: ignore[no-untyped-def]
-    """Velocities in place; rates: time step s, speed cap m/s; drag (P,) 1/s; planes: of the body below; pressed (P,): what held the particle apart in the
-    last step (`Stand.pressed`); out (CHUNKS,2): largest squared speed, m2/s2, in the first column, of what presses on the body only up to the cap."""
+def advance_velocities(sums, rates, inertia, planes, pressed, positions, velocities, out):  # type: ignore[no-untyped-def]
+    """Velocities in place; rates: time step s, speed cap m/s; inertia: drag (P,) 1/s, inverse masses (P,) 1/kg, `across` (P,3) of inertia.py; planes: of the
+    body below; pressed (P,): what held the particle apart in the last step (`Stand.pressed`); out (CHUNKS,2): largest squared speed, m2/s2, in the first
+    column, of what presses on the body only up to the cap."""
     count = len(sums.weight)
     for chunk in prange(CHUNKS):
-        _advance_of(chunk_range(chunk, count), sums, rates, drag, inverse_masses, planes, pressed, positions, velocities, out[chunk])
+        _advance_of(chunk_range(chunk, count), sums, rates, inertia, planes, pressed, positions, velocities, out[chunk])
 
 
 @kernel
@@ -135,7 +142,8 @@ def run_steps(order, controls, laws, sums, bonds, limit, contact, clock):  # typ
             go_with_body(rules, leg, since, motion)
         if step > 0 or not resumed:
             write_internal(laws, positions, velocities, sums.corner_forces)
-            advance_velocities(sums, (dt, controls.speed_cap), controls.drag, inverse_masses, rules[4], rules[6].pressed, positions, velocities, out)
+            inertia = (controls.drag, inverse_masses, controls.across)
+            advance_velocities(sums, (dt, controls.speed_cap), inertia, rules[4], rules[6].pressed, positions, velocities, out)
             fastest = _largest(out)
             if not fastest < controls.runaway:
                 return RUNAWAY

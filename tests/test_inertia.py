@@ -1,0 +1,130 @@
+"""Fictitious inertia of drape mode: against dense matrices, closed forms of slopes, and shapes at rest."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from elastic import linear
+
+from garmentcad.cloth.cloth import Cloth
+from garmentcad.cloth.lattice import rectangle_cloth
+from garmentcad.cloth.state import State
+from garmentcad.contact.contact import Contact
+from garmentcad.forces.assembly import ForceAssembly
+from garmentcad.forces.gravity import ForceGravity
+from garmentcad.forces.internal import internal_forces
+from garmentcad.forces.time_step import measured_frequency
+from garmentcad.solve.dynamics import Dynamics
+from garmentcad.solve.inertia import MOST_LIGHTER, REACH, light_across, root_eased, slopes
+from garmentcad.solve.rest import patches, residual
+from garmentcad.solve.strain_limit import strain_limit
+
+MATERIALS = linear(0.15, 2000.0, 0.4, shear=45.0, thickness=5e-4, friction=0.3)
+
+
+def strip() -> Cloth:
+    return rectangle_cloth(200.0, 40.0, 10.0, 0.0, MATERIALS)
+
+
+def bent(cloth: Cloth, radius: float) -> np.ndarray:
+    """On a cylinder about the panel's y axis."""
+    u, v = cloth.vertex_uv_mm.T * 1e-3
+    return np.column_stack([radius * np.sin(u / radius), v, radius * np.cos(u / radius)])
+
+
+def test_normals_and_slopes_of_a_cylinder() -> None:
+    """A side that spans an angle t rises by sin(t/2) against the normals at its ends; triangles of about the same area lean to either side of a particle."""
+    cloth, radius = strip(), 0.05
+    positions = bent(cloth, radius)
+    normals, steepest = np.empty_like(positions), np.empty(len(positions))
+    slopes(cloth.particle_triangles, positions, normals, steepest)
+    u, v = cloth.vertex_uv_mm.T
+    inner = (u > 25.0) & (u < 175.0) & (v > 15.0) & (v < 25.0)
+    outward = positions * np.array([1.0, 0.0, 1.0]) / radius
+    assert inner.sum() > 10
+    assert np.abs((normals * outward).sum(axis=1)[inner]) == pytest.approx(1.0, abs=2e-3)
+    assert steepest[inner] == pytest.approx(math.sin(0.5 * 0.01 / radius), rel=0.02)
+
+
+def test_what_is_lighter_and_by_how_much() -> None:
+    cloth = strip()
+    stiff = cloth.vertex_uv_mm[:, 0] > 100.0
+    limp = np.where(stiff, 80.0, 1e6)
+    flat = light_across(cloth.particle_triangles, bent(cloth, 1e3), limp)
+    assert (flat[stiff] ** 2).sum(axis=1) == pytest.approx(80.0 * REACH**2 - 1.0)
+    assert (flat[~stiff] ** 2).sum(axis=1) == pytest.approx(MOST_LIGHTER - 1.0)
+    assert np.all(light_across(cloth.particle_triangles, bent(cloth, 1e3), 0.0 * limp) == 0.0)
+    sharp = light_across(cloth.particle_triangles, bent(cloth, 0.02), limp)
+    u, v = cloth.vertex_uv_mm.T
+    inner = (u > 25.0) & (u < 75.0) & (v > 15.0) & (v < 25.0)
+    assert 1.0 + (sharp[inner] ** 2).sum(axis=1) == pytest.approx((REACH / math.sin(0.25)) ** 2, rel=0.05)
+
+
+def test_root_is_the_root() -> None:
+    rng = np.random.default_rng(0)
+    across, vectors = 3.0 * rng.standard_normal((20, 3)), rng.standard_normal((20, 3))
+    across[0] = 0.0
+    whole = np.array([(np.eye(3) + np.outer(a, a)) @ v for a, v in zip(across, vectors)])
+    assert root_eased(root_eased(vectors, across), across) == pytest.approx(whole, rel=1e-12)
+
+
+def test_frequency_of_light_cloth_is_the_largest_eigenvalue() -> None:
+    """And light cloth needs no shorter steps than heavy cloth."""
+    cloth = strip()
+    positions = bent(cloth, 0.04)
+    forces = ForceAssembly(internal_forces(cloth, MATERIALS), cloth.particle_count)
+    whole, bending = np.empty(cloth.particle_count), np.empty(cloth.particle_count)
+    forces.stiffness(positions, whole)
+    forces.bending_stiffness(positions, bending)
+    across = light_across(cloth.particle_triangles, positions, whole / bending)
+    size, still, nudge = positions.size, np.zeros_like(positions), 1e-7
+    tangent = np.empty((size, size))
+    for k in range(size):
+        sides = []
+        for sign in (1.0, -1.0):
+            moved, total = positions.copy(), np.empty_like(positions)
+            moved.reshape(-1)[k] += sign * nudge
+            forces.add_up(moved, still, total)
+            sides.append(total.ravel())
+        tangent[:, k] = (sides[1] - sides[0]) / (2.0 * nudge)
+    root = np.zeros((size, size))
+    for p, a in enumerate(across):
+        values, vectors = np.linalg.eigh((np.eye(3) + np.outer(a, a)) / cloth.masses[p])
+        root[3 * p : 3 * p + 3, 3 * p : 3 * p + 3] = vectors @ np.diag(np.sqrt(values)) @ vectors.T
+    light = math.sqrt(np.linalg.eigvalsh(0.5 * root @ (tangent + tangent.T) @ root)[-1])
+    scale = 1.0 / np.sqrt(cloth.masses)[:, None]
+    assert measured_frequency(forces, positions, lambda vectors: scale * root_eased(vectors, across)) == pytest.approx(light, rel=0.01)
+    heavy = measured_frequency(forces, positions, lambda vectors: scale * vectors)
+    assert light < 1.02 * heavy
+    assert (across**2).sum(axis=1).max() > 10.0
+
+
+def hung(lighten: bool) -> tuple[float, int]:
+    """Sag of a strip that hangs in an arc between two held ends, and steps until it rests."""
+    cloth, radius = strip(), 0.1
+    u, v = cloth.vertex_uv_mm.T * 1e-3
+    angle = (u - 0.1) / radius
+    start = np.column_stack([radius * np.sin(angle), radius * (math.cos(1.0) - np.cos(angle)), v])
+    fixed = (u < 1e-6) | (u > 0.2 - 1e-6)
+    forces = ForceAssembly(internal_forces(cloth, MATERIALS), cloth.particle_count, [ForceGravity(cloth.masses)])
+    dynamics = Dynamics(cloth, forces, strain_limit(cloth, MATERIALS), Contact(cloth, MATERIALS), fixed)
+    dynamics.drag, dynamics.equalise, dynamics.speed_cap_m_s = 20.0, True, 1.0
+    state = State(start, np.zeros_like(start))
+    dynamics.start(state)
+    dynamics.advance(state, 1920)
+    dynamics.lighten, dynamics.steady, fallen = lighten, True, state.step
+    patch = patches(cloth)
+    while residual(dynamics, state, patch).rms_g > 2e-4:
+        dynamics.advance(state, 96)
+        assert state.step < 60000
+    return float(state.positions[:, 1].min()), state.step - fallen
+
+
+def test_shape_at_rest_does_not_depend_on_inertia_but_light_cloth_is_there_sooner() -> None:
+    heavy, steps = hung(False)
+    light, fewer = hung(True)
+    assert heavy < -0.03
+    assert light == pytest.approx(heavy, abs=2e-6)
+    assert fewer < steps
