@@ -27,6 +27,7 @@ from garmentcad.cloth.lattice import build_cloth
 from garmentcad.cloth.weld import weld
 from garmentcad.contact.contact import Contact
 from garmentcad.forces.assembly import ForceAssembly
+from garmentcad.forces.bend import CORNERS
 from garmentcad.forces.force import NO_PARTICLE
 from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
@@ -94,7 +95,7 @@ class Problem:
     def neighbours(self) -> csr_array:
         """Particles that share an element, with themselves."""
         count, pairs = self.cloth.particle_count, []
-        for force, corners in zip(self.forces.forces, (None, 3, 5, 4, 4)):
+        for force, corners in zip(self.forces.forces, (None, 3, CORNERS, 4, 4)):
             if corners is not None:
                 rows = force.corners.reshape(-1, corners)
                 pairs += [rows[:, [i, j]] for i in range(corners) for j in range(corners)]
