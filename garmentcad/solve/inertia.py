@@ -18,13 +18,15 @@ import numpy as np
 
 from garmentcad.arrays import kernel
 
+# Found by trial: on a settling skirt and on W1, at 10 mm, the highest frequency stays within 0.2 % up to here, and rises by 3 % (W1) with 0.7 for 0.5.
 REACH = 0.5
 MOST_LIGHTER = 64.0
 
 
 @kernel
 def slopes(triangles, positions, normals, steepest):  # type: ignore[no-untyped-def]
-    """Unit normals (P,3) of the particles, means over their triangles (T,3) by area, and the largest sine (P,) of the sides that meet at each against it."""
+    """Write unit normals (P,3) of the particles at positions (P,3) m, means over their triangles (T,3) by area, and the largest sine (P,) of the slope against
+    the normal of the sides that meet at each."""
     normals[:], steepest[:] = 0.0, 0.0
     for t in range(len(triangles)):
         a, b, c = triangles[t, 0], triangles[t, 1], triangles[t, 2]
