@@ -84,11 +84,13 @@ def test_softened_again_and_again_they_are_those_of_the_softened_fabric(last: fl
 
 
 @pytest.mark.parametrize("blocks", [1, 5, 6, 11, 40])
-def test_two_and_four_threads_get_about_the_same_work(blocks: int) -> None:
-    """A few large blocks among many small parts, as garments have them: all parts once, and shares that differ by no more than a part could mend."""
+def test_two_and_four_threads_get_about_the_same_work_side_by_side(blocks: int) -> None:
+    """A few large blocks among many small parts, as garments have them: all parts once, and shares that differ by no more than a part could mend. Of equal
+    parts alone, what one thread gets lies before what the other gets."""
     rng = np.random.default_rng(blocks)
     work = np.concatenate([rng.uniform(25.0, 35.0, blocks), rng.uniform(1.0, 3.0, 30)])
-    bins = dealt(work)
+    place = rng.permutation(len(work)).astype(np.float64)
+    bins = dealt(work, place)
     assert len(bins) == BINS
     assert sorted(part for one in bins for part in one) == list(range(len(work)))
     load = np.array([work[one].sum() for one in bins])
@@ -96,3 +98,6 @@ def test_two_and_four_threads_get_about_the_same_work(blocks: int) -> None:
     assert abs(halves[0] - halves[1]) <= (work.max() if blocks == 1 else work[blocks:].max())
     for pair in load.reshape(2, 2, -1).sum(axis=2):
         assert abs(pair[0] - pair[1]) <= work.max()
+    place = rng.permutation(8.0 * np.arange(8 * blocks))
+    order = [place[part] for one in dealt(np.ones(8 * blocks), place) for part in one]
+    assert order == sorted(order)

@@ -63,12 +63,10 @@ class LatticeSlots:
             width, height = place[mine].max(axis=0) + np.array([2, 1])  # an empty slot ends each row: neighbours across it are none
             start = max(end + 2 * width + 1, 3 * width + 2 * LANES)
             slot[mine] = start + place[mine, 1] * width + place[mine, 0]
-            rows = np.linspace(0, height, min(max(1, round(width * height / BLOCK)), height) + 1).astype(np.int64)
+            pairs = round(0.5 * width * height / BLOCK)  # an even number: two threads share a panel
+            rows = np.linspace(0, height, min(max(1, 2 * pairs), height) + 1).astype(np.int64)
             table += [(start + a * width, (b - a) * width, width) for a, b in itertools.pairwise(rows)]
             end = start + height * width + width + 1
-        # large and small ones at either end alike: threads take runs of blocks of about the same number, and shall have the same work
-        table.sort(key=lambda row: -row[1])
-        table = table[::2] + table[1::2][::-1]
         widest = max((width for _, _, width in table), default=0)
         self.count = padded(end + 2 * widest + 2 * LANES)
         self.slot = np.full(cloth.particle_count, -1, dtype=np.int64)

@@ -17,11 +17,11 @@ from garmentcad.constraints.points import ConstraintPoints, no_bonds
 from garmentcad.contact.contact import SURGE, Contact, farthest, respond
 from garmentcad.errors import GarmentError
 from garmentcad.forces.assembly import ForceAssembly
-from garmentcad.forces.internal import BINS, law_arguments
+from garmentcad.forces.internal import BINS, law_arguments, lay_out_parts
 from garmentcad.forces.time_step import SAFETY, measured_frequency
 from garmentcad.kernel_cache import compile_beside
 from garmentcad.solve.inertia import light_across, root_eased
-from garmentcad.solve.steps import CUT, DONE, LOOK, MOST_CUTS, RUNAWAY, TORN, TORN_LENGTH, Controls, mean_square, run_steps
+from garmentcad.solve.steps import CUT, DONE, LOOK, MOST_CUTS, RUNAWAY, TORN, TORN_LENGTH, Controls, run_steps
 from garmentcad.solve.strain_limit import StrainLimit
 
 # Steps between two looks at the stiffness; tangents change slowly at this scale.
@@ -85,6 +85,7 @@ class Dynamics:
         self.constraint: ConstraintPoints | None = None
         self.seconds = {"steps": 0.0, "detection": 0.0, "stiffness": 0.0}
         self.mean_square_speed = 0.0
+        self._layout = lay_out_parts(forces.forces)
         self._stiffness = np.zeros(cloth.particle_count)
         self._clock = np.zeros(5)
         self._masses = floats(cloth.masses)
@@ -225,7 +226,7 @@ class Dynamics:
         self._drag[:] = self.drag
         controls = Controls(dt, self._drag, self.across, self.speed_cap_m_s, RUNAWAY_M_S, SURGE)
         lost = np.zeros(BINS)
-        laws, sums = law_arguments(self.forces.forces, state.friction, lost), self.forces.sums(self._masses)
+        laws, sums = law_arguments(self._layout, self.forces.forces, state.friction, lost), self.forces.sums(self._masses)
         bonds = no_bonds()
         if self.constraint is not None:
             bonds = self.constraint.bonds(state.constraint_speeds, state.constraint_forces)
@@ -293,6 +294,6 @@ class Dynamics:
 
     def measures(self, state: State) -> tuple[float, float, float]:
         """Kinetic energy J, largest speed m/s, RMS speed m/s (mass-weighted)."""
-        square = float(mean_square(state.velocities, self.cloth.masses))
-        fastest = float(np.sqrt((state.velocities**2).sum(axis=1).max(initial=0.0)))
-        return 0.5 * float(self.cloth.masses.sum()) * square, fastest, math.sqrt(square)
+        squares = (state.velocities**2).sum(axis=1)
+        energy = 0.5 * float(self.cloth.masses @ squares)
+        return energy, math.sqrt(squares.max(initial=0.0)), math.sqrt(2.0 * energy / float(self.cloth.masses.sum()))
