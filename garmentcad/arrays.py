@@ -115,6 +115,11 @@ def indices(values: Any) -> np.ndarray:
     return np.ascontiguousarray(values, dtype=np.int32)
 
 
+def compact(values: np.ndarray) -> np.ndarray:
+    """The same values (N,...), read-only where all rows are equal: they share the memory of one then."""
+    return np.broadcast_to(values[0].copy(), values.shape) if len(values) > 1 and (values == values[0]).all() else values
+
+
 def frozen(array: np.ndarray) -> np.ndarray:
     """The same array, read-only."""
     array.setflags(write=False)

@@ -66,7 +66,7 @@ def test_boxes_hold_their_elements_and_every_element_has_one_leaf() -> None:
     leaves = len(tree.boxes) // 2
     for leaf in range(leaves):
         held = triangles[tree.order[leaf * 77 // leaves : (leaf + 1) * 77 // leaves]]
-        assert 1 <= len(held) <= 4
+        assert 1 <= len(held) <= 8
         node = leaves + leaf
         while node:
             assert (tree.boxes[node, :3] <= positions[held].min(axis=(0, 1))).all()

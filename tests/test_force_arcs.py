@@ -30,7 +30,8 @@ def angles_on_a_cylinder(turn: float, round_: tuple[float, float], along: tuple[
     """Trellis angles (C,) of the small cloth on a cylinder of curvature turn/H. round_, along: the axis: of a unit of warp, of weft."""
     weft, warp = flat(CLOTH)[:, 0], flat(CLOTH)[:, 1]
     angle, axis = turn / H * (round_[0] * warp + round_[1] * weft), along[0] * warp + along[1] * weft
-    return LawShear(CLOTH, materials(), SLOTS, arcs).strain(np.column_stack([H / turn * np.sin(angle), axis, H / turn * np.cos(angle)]))
+    law = LawShear(CLOTH.cells, cell_neighbours(CLOTH, SLOTS) if arcs else None, materials(), SLOTS)
+    return law.strain(np.column_stack([H / turn * np.sin(angle), axis, H / turn * np.cos(angle)]))
 
 
 def with_links_of_their_length(turn: float, c: float, s: float) -> tuple[tuple[float, float], tuple[float, float]]:

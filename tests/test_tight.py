@@ -22,7 +22,8 @@ FABRIC = "wool-suiting"
 LOW_M, HIGH_M = 0.8, 1.2
 GIRTHS_MM = 1000.0, 680.0  # there: 0.8 mm narrower a mm
 COLUMNS = 90
-LAID_MM, HEIGHT_MM, HEM_MM = 920.0, 500.0, 1500.0
+# Laid at 920, where the cone measures 904, the seams meet only at the limit of the fabric, 907: whether they do is a matter of round-off.
+LAID_MM, HEIGHT_MM, HEM_MM = 960.0, 500.0, 1500.0
 W = 50.0  # mg/cm2
 
 
@@ -47,7 +48,7 @@ def cone() -> Mannequin:
 
 
 def skirt(top_mm: float) -> Outcome:
-    """A heavy skirt of two panels, so wide at the top, whose top is laid around the cone where it measures 904 mm. Below it is wider than the cone."""
+    """A heavy skirt of two panels, so wide at the top, whose top is laid around the cone where it measures 872 mm. Below it is wider than the cone."""
     panel: dict[str, Any] = {
         "points": {"a": [-HEM_MM / 4, 0], "b": [HEM_MM / 4, 0], "c": [top_mm / 4, HEIGHT_MM], "d": [-top_mm / 4, HEIGHT_MM]},
         "edges": [{"name": name, "from": p, "to": q} for name, p, q in (("low", "a", "b"), ("right", "b", "c"), ("top", "c", "d"), ("left", "d", "a"))],
@@ -66,7 +67,7 @@ def skirt(top_mm: float) -> Outcome:
 
 
 def test_a_tight_skirt_finds_its_place() -> None:
-    """Held by friction where the soft skirt slid, its top stayed at the limit of its fabric, 61 mm lower, and never came to rest."""
+    """Held by friction where the soft skirt slid, its top stays 42 mm lower, at 0.94 of the limit of its fabric."""
     outcome = skirt(800.0)
     assert outcome.status == "converged"
     share = strain_share(outcome.state.positions, outcome.cloth.links.rest_length, outcome.dynamics.limit)

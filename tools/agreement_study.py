@@ -10,6 +10,7 @@ import math
 import sys
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -44,6 +45,7 @@ MOST_RESTED_MM = 1.0
 PIECE_GRID_MM, MAX_TIME_S = 10.0, 60.0
 PIECES = ("swatch on a ball", "strip over a pedestal", "fold over a bar")
 MOST_PIECE_MM = 2.0
+SPREAD_LAYS = 3  # of the first piece, to tell what is the mode's and what the piece's own
 # A disc over a pedestal
 LAYS, DISC_MM, PEDESTAL_MM = 10, 240.0, 120.0
 EDGE_MM = 5.0  # radius of the pedestal's edge and the plate's
@@ -152,6 +154,22 @@ def one_piece(case: StudyCase) -> Row:
     return {**_times(drape, dynamics), **apart_mm(drape.cloth.masses, drape.state.positions, dynamics.state.positions)}
 
 
+def spread(case: StudyCase) -> Row:
+    """A few lays of a piece, alike but for their seeds, in both modes: how far the ends of one mode are apart, and those of one from those of the other."""
+    ends: dict[str, list[np.ndarray]] = {"drape": [], "dynamics": []}
+    energy: dict[str, list[float]] = {"drape": [], "dynamics": []}
+    for seed in range(SPREAD_LAYS):
+        for mode, outcome in zip(ends, both_modes(replace(piece(case.parameters["of"], "drape"), seed=seed))):
+            ends[mode].append(outcome.state.positions)
+            energy[mode].append(1e6 * sum(outcome.dynamics.forces.energy(outcome.state.positions, outcome.state.friction).values()))
+            masses = outcome.cloth.masses
+    within = {mode: [apart_mm(masses, one, other)["rms_mm"] for one, other in combinations(found, 2)] for mode, found in ends.items()}
+    between = [apart_mm(masses, one, other)["rms_mm"] for one in ends["drape"] for other in ends["dynamics"]]
+    return {f"{mode}_{bound.__name__}": bound(values) for mode, values in {**within, "between": between}.items() for bound in (min, max)} | {
+        f"{mode}_energy": sum(values) / len(values) for mode, values in energy.items()
+    }
+
+
 def folded(outcome: Outcome) -> Row:
     """Shape of a disc on the pedestal. Drape coefficient: area of the cloth's shadow outside the pedestal over that of the flat ring; folds: maxima of the
     radius along the rim, smoothed; height of the rim over the pedestal's top."""
@@ -178,7 +196,7 @@ def one_lay(case: StudyCase) -> Row:
     return {**_times(drape, dynamics), "drape": folded(drape), "dynamics": folded(dynamics)}
 
 
-KINDS = {"rested": rested, "piece": one_piece, "disc": one_lay}
+KINDS = {"rested": rested, "piece": one_piece, "spread": spread, "disc": one_lay}
 
 
 def run_case(case: StudyCase) -> Mapping[str, Any]:
@@ -197,6 +215,7 @@ def cases() -> list[StudyCase]:
     return [
         *(one(name, "rested", of=name, grid_mm=RESTED_GRID_MM) for name in RESTED),
         *(one(name, "piece", of=name, grid_mm=PIECE_GRID_MM) for name in PIECES),
+        one(PIECES[0], "spread", of=PIECES[0], grid_mm=PIECE_GRID_MM, lays=SPREAD_LAYS),
         *(one(f"lay {lay}", "disc", lay=lay, grid_mm=PIECE_GRID_MM, disc_mm=DISC_MM, pedestal_mm=PEDESTAL_MM) for lay in range(LAYS)),
     ]
 
@@ -215,11 +234,24 @@ def page(rows: tuple[Row, ...]) -> str:
     lines += ["## One lay in both modes", ""]
     lines += [f"At {PIECE_GRID_MM:g} mm; {good['piece']} of {len(kinds['piece'])} agree within {MOST_PIECE_MM:g} mm (RMS).", ""]
     lines += [study_table(kinds["piece"], {"case": "of", **both, **moved}, command)]
+    lines += [*_spread(kinds["spread"])]
     lines += ["## Folds of a disc", "", f"A disc of {DISC_MM:g} mm on a pedestal of {PEDESTAL_MM:g} mm, at {PIECE_GRID_MM:g} mm.", ""]
     lines += _means(kinds["disc"])
     each = {f"{mode} {name}": f"{mode}.{key}:.3g" for name, key in MEANS.items() for mode in ("drape", "dynamics")}
     lines += [study_table(kinds["disc"], {"lay": "lay", **both, **each}, command)]
     return "\n".join(lines)
+
+
+def _spread(rows: list[Row]) -> list[str]:
+    if not rows:
+        return []
+    lines = [f"The {rows[0]['of']} lies in ridges that friction holds where they came to rest. Of {rows[0]['lays']} lays, alike but for their seeds:", ""]
+    lines += ["| ends compared | least, RMS mm | most, RMS mm | mean energy uJ |", "|---|---|---|---|"]
+    for name, energy in (("drape", "drape_energy"), ("dynamics", "dynamics_energy"), ("between", None)):
+        mean = f"{rows[0][energy]:.0f}" if energy else ""
+        words = {"between": "one of each mode"}.get(name, f"two of {name}")
+        lines.append(f"| {words} | {rows[0][name + '_min']:.2f} | {rows[0][name + '_max']:.2f} | {mean} |")
+    return [*lines, ""]
 
 
 def _means(rows: list[Row]) -> list[str]:

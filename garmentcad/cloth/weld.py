@@ -35,6 +35,8 @@ def weld(cloth: Cloth) -> tuple[Cloth, np.ndarray]:
     two corners of one element would become one particle: the panel is so narrow there that its mesh joins both sides of the seam.
     """
     particle = welded_particles(cloth)
+    if len(cloth.stitches) == 0:
+        return cloth, particle
     _refuse_collapse(cloth, particle)
     made = _seam_hinges(cloth, particle)
     old = cloth.hinges._replace(corners=particle[cloth.hinges.corners])

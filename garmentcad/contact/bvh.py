@@ -16,8 +16,9 @@ from numba import prange
 from garmentcad.arrays import CHUNKS, chunk_range, floats, indices, kernel, long_kernel, parallel_kernel
 from garmentcad.geometry.closest import point_triangle, row, segment_segment
 
-_LEAF = 4  # elements in a leaf, at most
+_LEAF = 8  # elements in a leaf, at most; a search takes as long with 2, and 4 boxes for every one then
 _WIDTH = 16  # items found per query at the first try; fuller rows are searched again with room for all
+_QUERIES = 1 << 15  # at a time, so that the room for what they find is small
 POINT_TRIANGLE, TRIANGLE_POINT, EDGE_EDGE, EDGE_EDGE_ONCE = 0, 1, 2, 3
 
 
@@ -197,16 +198,17 @@ def near_pairs(kind: int, reach: float, queries: Elements, items: Elements, tree
     kind: POINT_TRIANGLE, TRIANGLE_POINT (queries are named first), EDGE_EDGE, or EDGE_EDGE_ONCE for edges among themselves, each pair once;
     positions: of the queries' nodes and of the items' nodes; tree: over the items, refitted.
     """
-    rows, width = np.arange(len(queries.nodes), dtype=np.int32), _WIDTH
     parts = []
-    while len(rows):
-        found = np.empty((len(rows), 1 + width), dtype=np.int32)
-        _near(kind, reach, queries, items, tree, positions, rows, found)
-        counts = found[:, 0]
-        kept = np.flatnonzero((counts > 0) & (counts <= width))
-        filled = np.arange(width) < counts[kept, None]
-        parts.append(np.stack([np.repeat(rows[kept], counts[kept]), found[kept, 1:][filled]], axis=1))
-        rows, width = rows[counts > width], int(counts.max())
+    for first in range(0, len(queries.nodes), _QUERIES):
+        rows, width = np.arange(first, min(first + _QUERIES, len(queries.nodes)), dtype=np.int32), _WIDTH
+        while len(rows):
+            found = np.empty((len(rows), 1 + width), dtype=np.int32)
+            _near(kind, reach, queries, items, tree, positions, rows, found)
+            counts = found[:, 0]
+            kept = np.flatnonzero((counts > 0) & (counts <= width))
+            filled = np.arange(width) < counts[kept, None]
+            parts.append(np.stack([np.repeat(rows[kept], counts[kept]), found[kept, 1:][filled]], axis=1))
+            rows, width = rows[counts > width], int(counts.max())
     pairs = np.concatenate(parts) if parts else np.zeros((0, 2), dtype=np.int32)
     if kind == EDGE_EDGE_ONCE:
         pairs[:, 0] = tree.order[pairs[:, 0]]

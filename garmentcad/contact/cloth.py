@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import csr_matrix
 
-from garmentcad.arrays import floats, unique_pairs
+from garmentcad.arrays import floats, indices, unique_pairs
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.weld import welded_particles
 from garmentcad.contact.bvh import EDGE_EDGE_ONCE, POINT_TRIANGLE, build_tree, fitted_tree, near_pairs, refit
@@ -61,7 +61,8 @@ class _Neighbours:
         welded = identity[cloth.vertex_particle]
         corner, ends = near[:, 0], sides.nodes[near[:, 1], :2]
         count, triangles = int(identity.max(initial=0)) + 1, welded[cloth.triangles]
-        whole, self._edge = unique_pairs(identity[edges])
+        whole, edge = unique_pairs(identity[edges])
+        self._edge = indices(edge)
         self._identity = identity
         at_edge = _incidence(np.arange(len(whole))[:, None], whole, (len(whole), count))
         at_triangle = _incidence(np.arange(len(triangles))[:, None], triangles, (len(triangles), count))

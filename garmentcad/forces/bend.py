@@ -23,7 +23,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from garmentcad.arrays import floats, indices, inlined_kernel, kernel, long_kernel
+from garmentcad.arrays import compact, floats, indices, inlined_kernel, kernel, long_kernel
 from garmentcad.cloth.cloth import WARP, WEFT, BendLines
 from garmentcad.fabric.internal_friction import dragged
 from garmentcad.fabric.law_bending import STICK
@@ -222,45 +222,53 @@ class ForceBend(OneLaw):
     name = "bend"
 
     def __init__(self, lines: BendLines, across: np.ndarray, materials: MaterialTable) -> None:
-        points = np.column_stack([lines.center, lines.arm_a, lines.arm_b, across])
-        weights = np.column_stack([lines.weight_a, lines.weight_b]).astype(np.float64)
+        self._points = indices(np.column_stack([lines.center, lines.arm_a, lines.arm_b, across]))
+        self._weights = compact(np.column_stack([lines.weight_a, lines.weight_b]).astype(np.float64))
         self._direction = lines.direction
-        self._rest = np.column_stack([lines.length_a, lines.length_b])
-        arm = self._rest.mean(axis=1)
+        self._rest = compact(np.column_stack([lines.length_a, lines.length_b]))
         bending = materials.bending[lines.material, lines.direction]
-        self.way = materials.bending_friction[lines.material, lines.direction] / (STICK * bending) * arm
-        least = np.vstack([SHORTEST * self._rest.T, LEAST_NORMAL * arm**2])
-        self._lines = BendElements(indices(points), weights, floats(least), bending * lines.width / arm, self.way)
-        corners = points.copy()
-        corners[:, 2:5:2][weights == 0.0] = NO_PARTICLE
-        self.corners = indices(corners).ravel()
+        self.way = compact(materials.bending_friction[lines.material, lines.direction] / (STICK * bending) * self._arm)
+        self._stiffness = compact(bending * lines.width / self._arm)
+
+    @property
+    def _arm(self) -> np.ndarray:
+        """(B,) m, mean of the arms at rest."""
+        return np.asarray(self._rest.mean(axis=1))
+
+    @property
+    def corners(self) -> np.ndarray:
+        """(7 B,) int32, NO_PARTICLE for the second particle of an arm that ends at one."""
+        corners = self._points.copy()
+        corners[:, 2:5:2][self._weights == 0.0] = NO_PARTICLE
+        return corners.ravel()
 
     @property
     def arguments(self) -> tuple[BendElements]:
         """What `write_bend` takes before sliders, positions, velocities and out."""
-        return (self._lines,)
+        shortest = np.vstack([SHORTEST * self._rest.T, LEAST_NORMAL * self._arm**2])
+        return (BendElements(self._points, floats(self._weights), floats(shortest), floats(self._stiffness), floats(self.way)),)
 
-    def write_rows(self, slots: LatticeSlots, direction: np.ndarray, out: np.ndarray) -> None:
-        """Into out (4,S), of the lines centred at each slot: B w/l [N.m] and d l [rad] of the weft, of the warp; for lines (N,) of `direction` whose arms are
-        lattice neighbours."""
-        at = slots.slot[self._lines.points[:, 0]]
+    def write_rows(self, slots: LatticeSlots, out: np.ndarray) -> None:
+        """Into out (4,S), of the lines centred at each slot: B w/l [N.m] and d l [rad] of the weft, of the warp; for lines whose arms are lattice
+        neighbours."""
+        at = slots.slot[self._points[:, 0]]
         for k, axis in enumerate((WEFT, WARP)):
-            mine = direction == axis
-            out[2 * k, at[mine]], out[2 * k + 1, at[mine]] = self._lines.stiffness[mine], self.way[mine]
+            mine = self._direction == axis
+            out[2 * k, at[mine]], out[2 * k + 1, at[mine]] = self._stiffness[mine], self.way[mine]
 
     def slack(self) -> np.ndarray:
         return np.zeros(len(self.way))
 
     def gauge(self, positions: np.ndarray) -> Gauge:
         curve = np.where(self._direction == WEFT, CURVES.index("weft bending"), CURVES.index("warp bending"))
-        return Gauge(self.strain(positions), self.way, curve, self._lines.points[:, 0])
+        return Gauge(self.strain(positions), self.way, curve, self._points[:, 0])
 
     def write_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray, sliders: np.ndarray | None = None) -> None:
         write_bend(*self.arguments, self.slack() if sliders is None else sliders, positions, velocities, out)
 
     def _arms(self, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        center, a0, a1, b0, b1 = picked(positions, self._lines.points[:, :5])
-        weight_a, weight_b = self._lines.weights[:, :1], self._lines.weights[:, 1:]
+        center, a0, a1, b0, b1 = picked(positions, self._points[:, :5])
+        weight_a, weight_b = self._weights[:, :1], self._weights[:, 1:]
         return center - (1.0 - weight_a) * a0 - weight_a * a1, (1.0 - weight_b) * b0 + weight_b * b1 - center
 
     def _angle_and_arms(self, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -272,16 +280,16 @@ class ForceBend(OneLaw):
     def strain(self, positions: np.ndarray) -> np.ndarray:
         """r (B,) [rad]."""
         arm_a, arm_b = self._arms(positions)
-        before, behind = picked(positions, self._lines.points[:, 5:])
+        before, behind = picked(positions, self._points[:, 5:])
         normal = np.cross(arm_a + arm_b, behind - before)
-        normal /= np.maximum(lengths(normal), self._lines.shortest[2])[:, None]
+        normal /= np.maximum(lengths(normal), LEAST_NORMAL * self._arm**2)[:, None]
         a, b = (arm / np.maximum(lengths(arm), SHORTEST * rest)[:, None] for arm, rest in ((arm_a, self._rest[:, 0]), (arm_b, self._rest[:, 1])))
         half = 0.5 * self._angle_and_arms(positions)[0]
         return np.asarray(dots(normal, b - a) / np.sinc(half / np.pi))
 
     def energy(self, positions: np.ndarray, sliders: np.ndarray | None = None) -> float:
         angle, _ = self._angle_and_arms(positions)
-        return stored(self._lines.stiffness, self.strain(positions), self.slack() if sliders is None else sliders, self.way, angle)
+        return stored(self._stiffness, self.strain(positions), self.slack() if sliders is None else sliders, self.way, angle)
 
     def write_bending_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
         self.write_stiffness(positions, out)
@@ -289,11 +297,11 @@ class ForceBend(OneLaw):
     def write_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
         # |dt/d(end of arm)| = 1/|arm|, and at the centre the sum of both; (1 + t) covers the curvature of t
         angle, arms = self._angle_and_arms(positions)
-        weight = self._lines.weights
+        weight = self._weights
         a, b = 1.0 / arms[:, 0], 1.0 / arms[:, 1]
         none = np.zeros(len(a))
         gradients = np.column_stack([a + b, a * (1.0 - weight[:, 0]), a * weight[:, 0], b * (1.0 - weight[:, 1]), b * weight[:, 1], none, none])
-        stiffness = self._lines.stiffness * np.where(self.way > 0.0, 1.0 + STICK, 1.0)
+        stiffness = self._stiffness * np.where(self.way > 0.0, 1.0 + STICK, 1.0)
         out[:] = (gradients * (stiffness * (1.0 + angle) * 2.0 * (a + b))[:, None]).ravel()
 
 

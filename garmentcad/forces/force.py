@@ -35,7 +35,9 @@ class Force(Protocol):
     """Force between particles. `corners` (K,) int32 names the particle of each slot this force writes to; NO_PARTICLE marks a slot that is never read."""
 
     name: str
-    corners: np.ndarray
+
+    @property
+    def corners(self) -> np.ndarray: ...
 
     def slack(self) -> np.ndarray:
         """Sliders of cloth that was never strained; none (0,) where there is no internal friction."""

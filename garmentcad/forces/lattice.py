@@ -8,10 +8,10 @@ from typing import Any
 import numba
 import numpy as np
 
-from garmentcad.arrays import kernel, long_kernel
-from garmentcad.cloth.cloth import WEFT, Cloth
+from garmentcad.arrays import indices, kernel, long_kernel
+from garmentcad.cloth.cloth import WEFT, BendLines, Cells, Cloth, Links
 from garmentcad.fabric.material import MaterialTable
-from garmentcad.forces.arcs import gather_corners
+from garmentcad.forces.arcs import cell_neighbours, gather_corners
 from garmentcad.forces.bend import ForceBend, across_lines, bend_row
 from garmentcad.forces.cell import cell_row
 from garmentcad.forces.force import NO_PARTICLE, Gauge
@@ -31,6 +31,7 @@ _S_WEFT, _S_WARP, _S_CELL, _S_BEND, SLIDERS = 0, 1, 2, 4, 6
 _MOTION, _LINES, _WEFT, _WARP, _AFTER, _LOST, _ALL = 0, 7, 22, 28, 34, 40, 41
 _ARCS = 3
 _CELL = _LINES
+PART_OF_LAW = 1 << 14  # elements whose strains, energies and stiffness are found together, so that this takes little memory
 _SUMS = 8  # partial sums of what a block loses, so that the additions need not wait for each other
 
 
@@ -170,27 +171,40 @@ class ForceLattice:
 
     def __init__(self, cloth: Cloth, materials: MaterialTable, laws: tuple[str, ...] = LAWS, damping_time: float = 0.0, arcs: bool = True) -> None:
         slots = LatticeSlots(cloth)
-        inner = cloth.bends._replace(**{name: column[_inner(cloth, slots)] for name, column in cloth.bends._asdict().items()})
-        stretch, shear, twist = LawStretch(cloth, materials, slots), LawShear(cloth, materials, slots, arcs), LawTwist(cloth, materials, slots)
-        bend = ForceBend(inner, slots.across(inner.center, inner.direction), materials)
-        count = slots.count
-        row = np.where(inner.direction == WEFT, _S_BEND, _S_BEND + 1)
-        places = {"stretch": stretch.at, "shear": _S_CELL * count + shear.at, "twist": (_S_CELL + 1) * count + twist.at}
-        places["bend"] = row * count + slots.slot[inner.center]
-        self.laws = tuple(law for law in (stretch, shear, twist, bend) if law.name in laws)
-        self._places = {law.name: places[law.name] for law in self.laws}
+        count, inner = slots.count, np.flatnonzero(_inner(cloth, slots))
+        neighbours = cell_neighbours(cloth, slots) if arcs else None
+        self.laws: list[_Law] = []
+        self._places: list[np.ndarray] = []  # of the sliders of each law among all
+        for part in _parts(len(cloth.links.ends)):
+            stretch = LawStretch(Links(*(column[part] for column in cloth.links)), materials, slots)
+            self._act(laws, stretch, stretch.at)
+        for part in _parts(len(cloth.cells.corners)):
+            cells = Cells(*(column[part] for column in cloth.cells))
+            shear, twist = LawShear(cells, None if neighbours is None else neighbours[part], materials, slots), LawTwist(cells, materials, slots)
+            self._act(laws, shear, _S_CELL * count + shear.at)
+            self._act(laws, twist, (_S_CELL + 1) * count + twist.at)
+        for part in _parts(len(inner)):
+            lines = BendLines(*(column[inner[part]] for column in cloth.bends))
+            bend = ForceBend(lines, slots.across(lines.center, lines.direction), materials)
+            self._act(laws, bend, np.where(lines.direction == WEFT, _S_BEND, _S_BEND + 1) * count + slots.slot[lines.center])
         self.damping_time = damping_time
         self._blocks, self._spacing = slots.blocks, cloth.spacing
         self._coefficients = aligned_zeros(_C_ALL, count)
         self._coefficients[_WAYS] = NEVER
         self._write_plane()
-        if twist in self.laws:
-            twist.write_rows(self._coefficients[_C_CELL + 5 : _C_BEND])
-        if bend in self.laws:
-            bend.write_rows(slots, inner.direction, self._coefficients[_C_BEND:])
+        for law in self.laws:
+            if isinstance(law, LawTwist):
+                law.write_rows(self._coefficients[_C_CELL + 5 : _C_BEND])
+            elif isinstance(law, ForceBend):
+                law.write_rows(slots, self._coefficients[_C_BEND:])
         numba.get_num_threads()  # starts the threads: before that a thread has no number by which it finds its room
         self._rooms = aligned_zeros(numba.config.NUMBA_NUM_THREADS, _ALL, slots.room)  # type: ignore[attr-defined]
         self.corners = slots.blocks.particle
+
+    def _act(self, laws: tuple[str, ...], law: _Law, places: np.ndarray) -> None:
+        if law.name in laws:
+            self.laws.append(law)
+            self._places.append(indices(places))
 
     def set_plane(self, materials: MaterialTable) -> None:
         """From now on tension and shear are those of other materials; what strains mean, and where friction gives way, must be the same."""
@@ -217,14 +231,14 @@ class ForceLattice:
     def gauge(self, positions: np.ndarray) -> Gauge:
         particle = np.full((SLIDERS, len(self.corners)), NO_PARTICLE)
         curve = np.repeat(np.arange(SLIDERS)[:, None], len(self.corners), axis=1)
-        for law in self.laws:
-            particle.reshape(-1)[self._places[law.name]] = np.tile(self.corners, SLIDERS)[self._places[law.name]]
+        for places in self._places:
+            particle.reshape(-1)[places] = np.tile(self.corners, SLIDERS)[places]
         return Gauge(self._spread(lambda law: law.strain(positions)), self._spread(lambda law: law.way), curve, particle)
 
     def _spread(self, of_law: Callable[[_Law], np.ndarray]) -> np.ndarray:
         found = aligned_zeros(SLIDERS, len(self.corners))
-        for law in self.laws:
-            found.reshape(-1)[self._places[law.name]] = of_law(law)
+        for law, places in zip(self.laws, self._places):
+            found.reshape(-1)[places] = of_law(law)
         return found
 
     def write_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray, sliders: np.ndarray | None = None) -> None:
@@ -232,7 +246,10 @@ class ForceLattice:
 
     def energies(self, positions: np.ndarray, sliders: np.ndarray | None = None) -> dict[str, float]:
         held = (self.slack() if sliders is None else sliders).reshape(-1)
-        return {law.name: law.energy(positions, held[self._places[law.name]]) for law in self.laws}
+        total: dict[str, float] = {}
+        for law, places in zip(self.laws, self._places):
+            total[law.name] = total.get(law.name, 0.0) + law.energy(positions, held[places])
+        return total
 
     def energy(self, positions: np.ndarray, sliders: np.ndarray | None = None) -> float:
         """Stored energy [J] of all its laws."""
@@ -261,11 +278,16 @@ class ForceLattice:
         count = int(self.corners.max(initial=0)) + 1
         total = np.zeros(count)
         for law in self.laws:
-            corners = np.zeros(len(law.corners))
-            write(law, corners)
-            used = law.corners != NO_PARTICLE
-            total += np.bincount(law.corners[used], weights=corners[used], minlength=count)[:count]
+            corners = law.corners
+            stiffness, used = np.zeros(len(corners)), corners != NO_PARTICLE
+            write(law, stiffness)
+            total += np.bincount(corners[used], weights=stiffness[used], minlength=count)[:count]
         out[:] = np.where(self.corners == NO_PARTICLE, 0.0, total[self.corners])
+
+
+def _parts(count: int) -> list[slice]:
+    """`count` elements in parts of at most PART_OF_LAW, one at least."""
+    return [slice(first, min(first + PART_OF_LAW, count)) for first in range(0, max(count, 1), PART_OF_LAW)]
 
 
 def contour_lines(cloth: Cloth, materials: MaterialTable) -> ForceBend:

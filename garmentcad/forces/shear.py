@@ -15,11 +15,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from garmentcad.arrays import floats, kernel
-from garmentcad.cloth.cloth import WARP, Cells, Cloth
+from garmentcad.arrays import compact, floats, indices, kernel
+from garmentcad.cloth.cloth import WARP, Cells
 from garmentcad.fabric.law_shear import HIGH, LOW, shear_energy, stick_coefficients
 from garmentcad.fabric.material import MaterialTable
-from garmentcad.forces.arcs import MOST, NEIGHBOURS, SHARE, bow_and_crossing, cell_neighbours, limited
+from garmentcad.forces.arcs import MOST, NEIGHBOURS, SHARE, bow_and_crossing, limited
 from garmentcad.forces.force import NO_PARTICLE
 from garmentcad.forces.rows import LatticeSlots
 from garmentcad.forces.smooth import angle_over_sine
@@ -86,21 +86,22 @@ def largest_shear_stiffness(curves: ShearCurves, angles: np.ndarray) -> np.ndarr
 
 
 class LawShear:
-    """Trellis shear of the cells of `cloth`. at: (C,) places of their sliders among the (S,) of cells."""
+    """Trellis shear of cells. at: (C,) places of their sliders among the (S,) of cells. neighbours: (C,8) of arcs.py; None: without arcs."""
 
     name = "shear"
 
-    def __init__(self, cloth: Cloth, materials: MaterialTable, slots: LatticeSlots, arcs: bool = True) -> None:
-        self._cells = cloth.cells
-        neighbours = cell_neighbours(cloth, slots)
-        if not arcs:
-            neighbours[:] = NO_PARTICLE
-        self.corners = np.concatenate([cloth.cells.corners.ravel(), neighbours.ravel()])
-        self._neighbours = self.corners[cloth.cells.corners.size :].reshape(neighbours.shape)
+    def __init__(self, cells: Cells, neighbours: np.ndarray | None, materials: MaterialTable, slots: LatticeSlots) -> None:
+        self._cells = cells
+        self._neighbours = np.full((len(cells.corners), NEIGHBOURS), NO_PARTICLE, dtype=np.int32) if neighbours is None else neighbours
         self.set_curves(materials)
-        self._arcs = np.where(self._neighbours[:, 0] == NO_PARTICLE, 0.0, SHARE / cloth.cells.spacing**2)
+        self._arcs = compact(np.where(self._neighbours[:, 0] == NO_PARTICLE, 0.0, SHARE / cells.spacing**2))
         self.way = self._curves.way
-        self.at = cell_slots(cloth.cells, slots)
+        self.at = cell_slots(cells, slots)
+
+    @property
+    def corners(self) -> np.ndarray:
+        """(12 C,) int32: the corners of the cells, then their neighbours."""
+        return np.concatenate([self._cells.corners.ravel(), self._neighbours.ravel()])
 
     def set_curves(self, materials: MaterialTable) -> None:
         """The shear curves of `materials` from now on; `write_rows` brings them to the kernels."""
@@ -161,7 +162,7 @@ def cell_slots(cells: Cells, slots: LatticeSlots) -> np.ndarray:
     up = slots.step(a, WARP)
     if not ((b == a + 1) & (d == a + up) & (c == d + 1)).all():
         raise ValueError("a cell does not join four neighbours of the lattice")
-    return np.asarray(a)
+    return indices(a)
 
 
 def angle_and_lengths(warp: np.ndarray, weft: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

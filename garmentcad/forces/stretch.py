@@ -15,8 +15,8 @@ import math
 
 import numpy as np
 
-from garmentcad.arrays import kernel
-from garmentcad.cloth.cloth import WARP, WEFT, Cloth
+from garmentcad.arrays import compact, indices, kernel
+from garmentcad.cloth.cloth import WARP, WEFT, Links
 from garmentcad.fabric.internal_friction import dragged
 from garmentcad.fabric.law_tension import WAY
 from garmentcad.fabric.material import MaterialTable
@@ -91,23 +91,23 @@ def tension_coefficients(curves: TensionCurves, rows: np.ndarray, width: np.ndar
 
 
 class LawStretch:
-    """Tension of the links of `cloth`. at: (L,) places of their sliders among the (2 S,) of weft and then warp links."""
+    """Tension of links. at: (L,) places of their sliders among the (2 S,) of weft and then warp links."""
 
     name = "stretch"
 
-    def __init__(self, cloth: Cloth, materials: MaterialTable, slots: LatticeSlots) -> None:
-        self._links = links = cloth.links
+    def __init__(self, links: Links, materials: MaterialTable, slots: LatticeSlots) -> None:
+        self._links = links
         self._curve = 2 * links.material + links.direction
         self.set_curves(materials)
         self.corners = links.ends.ravel()
-        self.way = WAY * self._curves.em[self._curve]
+        self.way = compact(WAY * self._curves.em[self._curve])
         a, b = slots.slot[links.ends].T
         first = np.minimum(a, b)
         for direction in (WEFT, WARP):
             mine = links.direction == direction
             if not (np.maximum(a, b) - first == slots.step(first, direction))[mine].all():
                 raise ValueError("a link does not join two neighbours of the lattice")
-        self.at = np.where(links.direction == WEFT, first, slots.count + first)
+        self.at = indices(np.where(links.direction == WEFT, first, slots.count + first))
 
     def set_curves(self, materials: MaterialTable) -> None:
         """The tensile curves of `materials` from now on; `write_rows` brings them to the kernels."""

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from garmentcad.arrays import indices
-from garmentcad.cloth.cloth import Cells, Cloth
+from garmentcad.cloth.cloth import Cells
 from garmentcad.fabric.law_bending import STICK
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.bend import stored
@@ -33,12 +33,11 @@ class TwistElements(NamedTuple):
 
 
 class LawTwist:
-    """Twist of those cells of `cloth` whose material has D66 > 0; strain is kappa h^2 [m]. at: (C,) places of their sliders among the (S,) of cells."""
+    """Twist of those cells whose material has D66 > 0; strain is kappa h^2 [m]. at: (C,) places of their sliders among the (S,) of cells."""
 
     name = "twist"
 
-    def __init__(self, cloth: Cloth, materials: MaterialTable, slots: LatticeSlots) -> None:
-        cells = cloth.cells
+    def __init__(self, cells: Cells, materials: MaterialTable, slots: LatticeSlots) -> None:
         stiff = np.flatnonzero(materials.twist[cells.material] > 0.0)
         mine = Cells(*(column[stiff] for column in cells))
         h2 = mine.spacing**2
