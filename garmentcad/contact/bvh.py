@@ -16,7 +16,7 @@ from numba import prange
 from garmentcad.arrays import CHUNKS, chunk_range, floats, indices, kernel, long_kernel, parallel_kernel
 from garmentcad.geometry.closest import point_triangle, row, segment_segment
 
-_LEAF = 8  # elements in a leaf, at most; a search takes as long with 2, and 4 boxes for every one then
+LEAF = 8  # elements in a leaf, at most: `near_pairs` takes as long with 2, and needs four boxes for each of these then
 _WIDTH = 16  # items found per query at the first try; fuller rows are searched again with room for all
 _QUERIES = 1 << 15  # at a time, so that the room for what they find is small
 POINT_TRIANGLE, TRIANGLE_POINT, EDGE_EDGE, EDGE_EDGE_ONCE = 0, 1, 2, 3
@@ -37,15 +37,16 @@ class Elements(NamedTuple):
     identity: np.ndarray
 
 
-def build_tree(centers: np.ndarray) -> Tree:
-    """Tree over elements with these centers (N,D), D <= 3: halved at the median along the widest axis, level by level. Boxes are not set: refit.
+def build_tree(centers: np.ndarray, leaf: int = LEAF) -> Tree:
+    """Tree over elements with these centers (N,D), D <= 3: halved at the median along the widest axis, level by level, until no leaf
+    has more than `leaf`. Boxes are not set: refit.
 
     Deterministic: it depends on the centers' order and values alone.
     """
     count = len(centers)
     if count == 0:
         return Tree(indices([]), floats(np.zeros((2, 6))))
-    levels = max(0, math.ceil(math.log2(max(count, 1) / _LEAF)))
+    levels = max(0, math.ceil(math.log2(max(count, 1) / leaf)))
     order = np.arange(count)
     for level in range(levels):
         starts = np.arange((1 << level) + 1) * count >> level
@@ -86,9 +87,9 @@ def refit_swept(tree: Tree, nodes: np.ndarray, hull: list[np.ndarray]) -> None:
     tree.boxes[:, :3], tree.boxes[:, 3:] = np.min(boxes, axis=0)[:, :3], np.max(boxes, axis=0)[:, 3:]
 
 
-def fitted_tree(elements: Elements, positions: np.ndarray) -> Tree:
+def fitted_tree(elements: Elements, positions: np.ndarray, leaf: int = LEAF) -> Tree:
     """Tree built over the elements at these positions (P,3) of their nodes, with its boxes."""
-    tree = build_tree(positions[elements.nodes].mean(axis=1))
+    tree = build_tree(positions[elements.nodes].mean(axis=1), leaf)
     refit(tree, elements.nodes, positions)
     return tree
 
