@@ -29,7 +29,7 @@ from garmentcad.simulation.run import Interrupted, make_dynamics, run
 
 PAGE = Path(__file__).resolve().parent.parent / "docs" / "studies" / "detection.md"
 CASES = ("cloth-on-ball", "t-shirt", "flared-skirt")
-PLACES = (("fall", 4), ("settle", 2), ("settle", 8))  # phase, and how many looks into it
+PLACES = (("fall", 4), ("settle", 2), ("settle", 5))  # phase, and how many looks into it
 STEPS = 384
 
 
