@@ -79,3 +79,18 @@ def march(assembly: ForceAssembly, masses: np.ndarray, positions: np.ndarray, ve
         positions += out
         if done % 100 == 0 and not np.abs(positions - start).max() < 1.0:
             break
+
+
+def tangent_by_differences(forces: ForceAssembly, positions: np.ndarray) -> np.ndarray:
+    """-dF/dx (3 P,3 P) [N/m] of cloth at rest at these positions (P,3) [m], by central differences; symmetric."""
+    still, nudge = np.zeros_like(positions), 1e-7
+    tangent = np.empty((positions.size, positions.size))
+    for k in range(positions.size):
+        sides = []
+        for sign in (1.0, -1.0):
+            moved, total = positions.copy(), np.empty_like(positions)
+            moved.reshape(-1)[k] += sign * nudge
+            forces.add_up(moved, still, total)
+            sides.append(total.ravel())
+        tangent[:, k] = (sides[1] - sides[0]) / (2.0 * nudge)
+    return 0.5 * (tangent + tangent.T)

@@ -67,6 +67,28 @@ def acts(force: Force, positions: np.ndarray, velocities: np.ndarray) -> list[np
     return [forces, bounds, sliders, np.array(list(force.energies(positions, sliders).values()))]
 
 
+def test_laws_in_many_parts_are_the_laws_in_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Large cloths have more elements than one part takes: the same forces, sliders, bounds, energies and gauges, for a softened cloth as well."""
+    rough = materials(friction=1.0)
+    whole = ForceLattice(CLOTH, rough, damping_time=1e-5)
+    monkeypatch.setattr("garmentcad.forces.lattice.PART_OF_LAW", 7)
+    parts = ForceLattice(CLOTH, rough, damping_time=1e-5)
+    assert len(parts.laws) > 4 * len(whole.laws)
+    positions = deformed(CLOTH, "crumpled", seed=6)
+    velocities = 0.1 * np.random.default_rng(7).standard_normal(positions.shape)
+    for softness in (1.0, 8.0):
+        for force in (whole, parts):
+            force.set_plane(softened(rough, softness))
+        for one, other in zip(acts(parts, positions, velocities), acts(whole, positions, velocities)):
+            assert one == pytest.approx(other, rel=1e-12)
+        for one, other in zip(parts.gauge(positions), whole.gauge(positions)):
+            assert np.array_equal(one, other)
+    bounds = np.zeros((2, len(whole.corners)))
+    whole.write_bending_stiffness(positions, bounds[0])
+    parts.write_bending_stiffness(positions, bounds[1])
+    assert bounds[1] == pytest.approx(bounds[0], rel=1e-12)
+
+
 @pytest.mark.parametrize("last", [3.0, 1.0])
 def test_softened_again_and_again_they_are_those_of_the_softened_fabric(last: float) -> None:
     """Of cloth in motion with internal friction, damping included: as if they had been made so."""

@@ -31,8 +31,9 @@ def welded_particles(cloth: Cloth) -> np.ndarray:
 def weld(cloth: Cloth) -> tuple[Cloth, np.ndarray]:
     """The cloth with every stitch closed, and the map (P,) int32 from old particles to new ones.
 
-    Masses add up, elements keep their rest values, and each stretch of sew line between two border triangles becomes a hinge. Raises SpecError when
-    two corners of one element would become one particle: the panel is so narrow there that its mesh joins both sides of the seam.
+    Cloth without stitches is returned itself. Masses add up, elements keep their rest values, and each stretch of sew line between two border triangles becomes
+    a hinge. Raises SpecError when two corners of one element would become one particle: the panel is so narrow there that its mesh joins both sides of the
+    seam.
     """
     particle = welded_particles(cloth)
     if len(cloth.stitches) == 0:

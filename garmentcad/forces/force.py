@@ -56,7 +56,6 @@ class Force(Protocol):
         """Row sum bound of the current tangent, sum over j of |K_ij|, for each corner [N/m] into out (K,), stick springs included. Only what can raise a
         frequency counts."""
 
-
     def write_bending_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
         """As `write_stiffness`, of the laws against bending; out is zero and stays so where there are none."""
 

@@ -83,14 +83,14 @@ class Deal(NamedTuple):
 
 
 class Layout(NamedTuple):
-    """What is the same in every step: the deal, and where the corners of each force begin among all."""
+    """What is the same in every step."""
 
     deal: Deal
-    first: np.ndarray
+    first: np.ndarray  # (L+1,) where the corners of each force begin among all, bands as one of them
 
 
 def lay_out_parts(forces: tuple[Any, ...]) -> Layout:
-    """The deal of the forces of `internal_forces`, which a `ForceBand` and a `ForceButton` may follow."""
+    """Of the forces of `internal_forces`, which a `ForceBand` and a `ForceButton` may follow; ValueError for others. A part lies where its mean particle is."""
     if tuple(force.name for force in forces) not in [(*LAWS, *more) for more in ((), HARDWARE[:1], HARDWARE[1:], HARDWARE)]:
         raise ValueError(f"forces {[force.name for force in forces]}; the stepper knows {list(LAWS)}, in this order, and {list(HARDWARE)} after them")
     blocks = forces[0].arguments[0]
@@ -136,6 +136,7 @@ def dealt(work: np.ndarray, place: np.ndarray) -> list[list[int]]:
 
 
 def _halves(parts: np.ndarray, work: np.ndarray, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Numbers of the parts in each half, by their place."""
     parts = parts[np.argsort(place[parts], kind="stable")]
     excess = 2.0 * np.cumsum([0.0, *work[parts]]) - work[parts].sum()
     cut = int(np.argmin(np.abs(excess)))
