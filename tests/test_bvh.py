@@ -36,9 +36,10 @@ def brute(kind: int, reach: float, queries: Elements, items: Elements, own: np.n
     return found
 
 
+@pytest.mark.parametrize("far_m", [0.0, 3e5])  # where boxes in single precision are 30 mm coarse
 @pytest.mark.parametrize("count", [1, 3, 5, 64, 101])
 @pytest.mark.parametrize("kind", [POINT_TRIANGLE, TRIANGLE_POINT, EDGE_EDGE, EDGE_EDGE_ONCE])
-def test_near_pairs_equal_brute_force(kind: int, count: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_near_pairs_equal_brute_force(kind: int, count: int, far_m: float, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("garmentcad.contact.bvh._QUERIES", 40)  # of more queries than that some take their turn later
     rng = np.random.default_rng(10 * kind + count)
     positions, triangles = soup(rng, count)
@@ -52,7 +53,7 @@ def test_near_pairs_equal_brute_force(kind: int, count: int, monkeypatch: pytest
     }
     queries, items = (elements(nodes, identity) for nodes in kinds[kind])
     tree = fitted_tree(items, positions)
-    moved = positions + rng.normal(0, 0.1, positions.shape)  # the tree's order is of the rest, its boxes are of now
+    moved = positions + rng.normal(0, 0.1, positions.shape) + far_m  # the tree's order is of the rest, its boxes are of now
     refit(tree, items.nodes, moved)
     for reach in (0.02, 0.2, 0.6):  # the last overflows the first try's rows
         pairs = near_pairs(kind, reach, queries, items, tree, (moved, moved))
