@@ -47,6 +47,7 @@ LOWERED_S = 1.5  # as long as a garment falls, three times the slowest swing of 
 # How fast and how far the disc is shaken is an estimate: 27 mm from top to bottom, so that the cloth always bears on it.
 SHAKES, SHAKEN_S, SHAKEN_G = 3, 1.0, 0.5
 LEFT_S = 0.5
+LOADED_EVERY_S = 5e-3  # the load follows in slices of time, whatever the time step
 PROCEDURE = f"let down within {LOWERED_S:g} s, shaken {SHAKES} times within {SHAKEN_S:g} s at {SHAKEN_G:g} g, left alone for {LEFT_S:g} s, settled"
 
 
@@ -137,9 +138,10 @@ class Drapemeter:
         dynamics.equalise = True
         for part in HANDLED:
             dynamics.drag, began = part.drag, state.time_s
-            while state.time_s < began + part.seconds:
-                weight.gravity = GRAVITY_M_S2 * part.load((state.time_s - began) / part.seconds)
-                advance_or_retreat(dynamics, state)
+            while (left := began + part.seconds - state.time_s) > 0.5 * state.time_step_s:
+                slice_s = min(left, LOADED_EVERY_S)
+                weight.gravity = GRAVITY_M_S2 * part.load((state.time_s - began + 0.5 * slice_s) / part.seconds)
+                advance_or_retreat(dynamics, state, max(1, round(slice_s / state.time_step_s)))
 
     def _forces(self, weight: ForceGravity | None = None) -> ForceAssembly:
         return ForceAssembly(internal_forces(self.cloth, self._materials), self.cloth.particle_count, [weight or ForceGravity(self.cloth.masses)])

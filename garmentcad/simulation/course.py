@@ -85,15 +85,15 @@ class Progress:
     eta_s: float | None
 
 
-def advance_or_retreat(dynamics: Dynamics, state: State) -> bool:
-    """STEPS_PER_LOOK steps; where motion runs away, back to the state before them (False): the next ones are half as long.
+def advance_or_retreat(dynamics: Dynamics, state: State, steps: int = STEPS_PER_LOOK) -> bool:
+    """Some steps; where motion runs away, back to the state before them (False): the next ones are half as long.
 
     DivergedError where they are as short as they may become: what diverges then is not a matter of the step.
     """
     good = deepcopy(state)
     dynamics.step_factor = state.run.get("step_factor", 1.0)
     try:
-        dynamics.advance(state, STEPS_PER_LOOK)
+        dynamics.advance(state, steps)
     except DivergedError:
         if dynamics.step_factor <= SMALLEST_STEP_FACTOR:
             raise
