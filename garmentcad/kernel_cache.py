@@ -17,7 +17,6 @@ import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterable
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
@@ -185,33 +184,28 @@ def keep_apart(dispatcher: Any) -> None:
     dispatcher.add_overload = add_apart
 
 
-def compile_beside(calls: Iterable[tuple[Any, tuple[Any, ...]]]) -> None:
-    """Let another process compile kernels for such arguments into the cache on disk, one after the other, where that has them not yet and there is a second
-    processor for it. calls: kernels and their arguments.
+def compile_beside(dispatcher: Any, *arguments: Any) -> None:
+    """Let another process compile a kernel for such arguments into the cache on disk, where that has it not yet and there is a second processor for it.
 
-    Nobody waits: a caller that is compiled meanwhile takes from disk what is there by then, and compiles the rest itself. So name what it needs late.
+    Nobody waits: a caller that is compiled meanwhile takes the kernel from disk if it is there by then.
     """
     processors = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    if processors < 2 or not sys.executable:
+    if not isinstance(getattr(dispatcher, "_cache", None), KernelCache) or processors < 2 or not sys.executable:
         return
-    wanted = []
-    for dispatcher, arguments in calls:
-        if isinstance(getattr(dispatcher, "_cache", None), KernelCache):
-            signature = tuple(typeof(argument) for argument in arguments)
-            if signature not in dispatcher.overloads and not dispatcher._cache.has(signature, dispatcher.targetctx):
-                wanted.append((dispatcher.py_func.__module__, dispatcher.py_func.__name__, signature))
-    if not wanted:
+    signature = tuple(typeof(argument) for argument in arguments)
+    if signature in dispatcher.overloads or dispatcher._cache.has(signature, dispatcher.targetctx):
         return
+    function = dispatcher.py_func
     paths = os.pathsep.join([str(_PACKAGE.parent), *filter(None, [os.environ.get("PYTHONPATH")])])
     command = [sys.executable, "-c", "import garmentcad.kernel_cache as kernel_cache; kernel_cache._compile_sent()"]
     quiet = subprocess.DEVNULL
     beside = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=quiet, stderr=quiet, env=os.environ | {"PYTHONPATH": paths})
     assert beside.stdin is not None
     with suppress(OSError), beside.stdin as pipe:
-        pipe.write(pickle.dumps(wanted))
+        pipe.write(pickle.dumps((function.__module__, function.__name__, signature)))
     atexit.register(beside.kill)
 
 
 def _compile_sent() -> None:
-    for module, name, signature in pickle.load(sys.stdin.buffer):
-        getattr(import_module(module), name).compile(signature)
+    module, name, signature = pickle.load(sys.stdin.buffer)
+    getattr(import_module(module), name).compile(signature)

@@ -48,7 +48,7 @@ import callee
 from garmentcad.kernel_cache import compile_beside
 from numba import float64
 before = callee.twice._cache.has((float64,), callee.twice.targetctx)
-compile_beside([(callee.other, (1.0,)), (callee.twice, (1.0,))])
+compile_beside(callee.twice, 1.0)
 tries = 0
 while not callee.twice._cache.has((float64,), callee.twice.targetctx) and tries < 3000:
     tries += 1

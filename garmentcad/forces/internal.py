@@ -74,18 +74,6 @@ def write_internal(laws, positions, velocities, corner_forces):  # type: ignore[
     write_shanks(shanks, positions, velocities, corner_forces[first[6] :])
 
 
-def part_calls(laws: tuple[Any, ...], positions: np.ndarray, velocities: np.ndarray, corner_forces: np.ndarray) -> list[tuple[Any, tuple[Any, ...]]]:
-    """Kernels that `write_internal` calls after the lattice's, with arguments of the types that it gives them; arguments as of `write_internal`."""
-    _, _, (_, _, setting, _), (border, *_), (bend, *_), (span, *_), (hinge, *_), held, _, _, _ = laws
-    part, out = np.int64(0), corner_forces[:0]
-    return [
-        (border_part, (part, border, setting[1], held[1], positions, velocities, out)),
-        (bend_part, (part, bend, held[2], positions, out)),
-        (hinge_part, (part, hinge, held[3], positions, out)),
-        (span_part, (part, span, positions, out)),
-    ]
-
-
 class Deal(NamedTuple):
     """Parts of all forces in bins of about the same work: bin b holds kind and part (K,) from start[b] to start[b+1]."""
 

@@ -10,18 +10,18 @@ from copy import deepcopy
 
 import numpy as np
 
-from garmentcad.arrays import CHUNKS, floats, threads_apart
+from garmentcad.arrays import floats, threads_apart
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.state import State
-from garmentcad.constraints.points import ConstraintPoints, apply_bonds, no_bonds
+from garmentcad.constraints.points import ConstraintPoints, no_bonds
 from garmentcad.contact.contact import SURGE, Contact, farthest, respond
 from garmentcad.errors import GarmentError
 from garmentcad.forces.assembly import ForceAssembly
-from garmentcad.forces.internal import BINS, law_arguments, lay_out_parts, part_calls
+from garmentcad.forces.internal import BINS, law_arguments, lay_out_parts
 from garmentcad.forces.time_step import SAFETY, measured_frequency
 from garmentcad.kernel_cache import compile_beside
 from garmentcad.solve.inertia import light_across, root_eased
-from garmentcad.solve.steps import CUT, DONE, LOOK, MOST_CUTS, RUNAWAY, TORN, TORN_LENGTH, Controls, advance_velocities, run_steps
+from garmentcad.solve.steps import CUT, DONE, LOOK, MOST_CUTS, RUNAWAY, TORN, TORN_LENGTH, Controls, run_steps
 from garmentcad.solve.strain_limit import StrainLimit
 
 # Steps between two looks at the stiffness; tangents change slowly at this scale.
@@ -205,7 +205,9 @@ class Dynamics:
         self.mean_square_speed = 0.0
         self._check(state)
         if not getattr(run_steps, "overloads", True):
-            self._compile_beside(state)
+            # Forces and response are the two longest of what `run_steps` calls: one is compiled beside the other.
+            contact, motion = self.contact, (self.contact.positions, self.contact.velocities, self.contact.inverse_masses, state.time_step_s)
+            compile_beside(respond, contact.arguments(state), motion, 0.0, 0.0, 0.0)
         end = state.step + steps
         while state.step < end:
             self.estimate_time_step(state)
@@ -224,7 +226,10 @@ class Dynamics:
         self._drag[:] = self.drag
         controls = Controls(dt, self._drag, self.across, self.speed_cap_m_s, RUNAWAY_M_S, SURGE)
         lost = np.zeros(BINS)
-        laws, sums, bonds = self._forces_of(state, lost)
+        laws, sums = law_arguments(self._layout, self.forces.forces, state.friction, lost), self.forces.sums(self._masses)
+        bonds = no_bonds()
+        if self.constraint is not None:
+            bonds = self.constraint.bonds(state.constraint_speeds, state.constraint_forces)
         contact.load(state)
         motion = (contact.positions, contact.velocities, contact.inverse_masses)
         left, resumed, began = steps, False, state.time_s
@@ -262,24 +267,6 @@ class Dynamics:
                     raise IntersectingError(self.cloth, self._stuck(state, int(self._clock[3])), state)
             elif done > 0:
                 self._cuts = 0
-
-    def _forces_of(self, state: State, lost: np.ndarray):  # type: ignore[no-untyped-def]
-        """What `run_steps` needs of the forces and of the constraints; lost (BINS,): out: J that internal friction takes."""
-        bonds = no_bonds() if self.constraint is None else self.constraint.bonds(state.constraint_speeds, state.constraint_forces)
-        return law_arguments(self._layout, self.forces.forces, state.friction, lost), self.forces.sums(self._masses), bonds
-
-    def _compile_beside(self, state: State) -> None:
-        """Have what `run_steps` calls, but the laws of the lattice, compiled by another process while this one compiles those."""
-        laws, sums, bonds = self._forces_of(state, np.zeros(BINS))
-        rules, motion = self.contact.arguments(state), (self.contact.positions, self.contact.velocities)
-        inverse_masses, inertia = self.contact.inverse_masses, (self._drag, self.contact.inverse_masses, self.across)
-        calls = [
-            *part_calls(laws, *motion, sums.corner_forces),
-            (respond, (rules, (*motion, inverse_masses, 0.0), 0.0, 0.0, 0.0)),
-            (advance_velocities, (sums, (0.0, 0.0), inertia, rules[4], rules[6].pressed, *motion, np.zeros((CHUNKS, 2)))),
-            (apply_bonds, (bonds, motion[0], 0.0, motion[1])),
-        ]
-        compile_beside(calls)
 
     def _stuck(self, state: State, pair: int) -> np.ndarray:
         """Particles of the pair that cut a step; the fastest one where only its speed did (-1)."""
