@@ -16,7 +16,7 @@ from numba import prange
 from garmentcad.arrays import CHUNKS, chunk_range, floats, indices, kernel, long_kernel, parallel_kernel
 from garmentcad.geometry.closest import point_triangle, row, segment_segment
 
-LEAF = 8  # elements in a leaf, at most: `near_pairs` takes as long with 2, and needs four boxes for each of these then
+LEAF = 8  # elements in a leaf, at most; `near_pairs` holds as many boxes against one at a time and reads what it finds as one number of 8 bytes
 _SURE = 1.0 + 1e-6  # what is called apart without its distance is so by more than round-off
 _WIDTH = 16  # items found per query at the first try; fuller rows are searched again with room for all
 _QUERIES = 1 << 15  # at a time, so that the room for what they find is small
@@ -258,7 +258,7 @@ def near_pairs(kind: int, reach: float, queries: Elements, items: Elements, tree
     """All pairs (query, item) (K,2) int32 within `reach` that share no identity, in rising order.
 
     kind: POINT_TRIANGLE, TRIANGLE_POINT (queries are named first), EDGE_EDGE, or EDGE_EDGE_ONCE for edges among themselves, each pair once;
-    positions: of the queries' nodes and of the items' nodes; tree: over the items, refitted.
+    positions: of the queries' nodes and of the items' nodes, m, as is reach; tree: over the items, refitted, of at most LEAF elements a leaf.
     """
     parts = []
     leaf_boxes = np.empty(len(tree.boxes) // 2 * 6 * LEAF, dtype=np.float32)
