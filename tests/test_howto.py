@@ -6,7 +6,7 @@ import json
 import re
 from pathlib import Path
 
-from test_cli import garmentcad
+from command import garmentcad
 from test_readme import block
 
 from garmentcad.io.garment_test_file import read_garment_tests

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from test_cli import garmentcad
+from command import garmentcad, garmentcad_here
 from test_garmentcode_body import MEAN
 
 from garmentcad.export.drape import drape
@@ -32,7 +32,7 @@ def test_import_check_export(tmp_path: Path) -> None:
 
 def test_check_reads_the_file_itself(tmp_path: Path) -> None:
     path = write(bodice(), tmp_path)
-    run = garmentcad("check", str(path))
+    run = garmentcad_here("check", str(path), folder=tmp_path)
     assert run.returncode == 0, run.stdout
     assert "panel left_front starts 8 mm (8, 0, 0) from its place, clear of panel right_front" in run.stdout
 
@@ -41,7 +41,7 @@ def test_the_body_beside_the_file_comes_along(tmp_path: Path) -> None:
     write(skirt(), tmp_path)
     values = MEAN | {"hips": 100.0}
     (tmp_path / "body_measurements.yaml").write_text("body:\n" + "".join(f"  {name}: {value}\n" for name, value in values.items()))
-    run = garmentcad("import", "garment.json", "-o", "made/skirt.yaml", folder=tmp_path)
+    run = garmentcad_here("import", "garment.json", "-o", "made/skirt.yaml", folder=tmp_path)
     assert run.returncode == 0, run.stderr
     assert read_spec(tmp_path / "made" / "skirt.yaml").mannequin == "skirt-body.yaml"
     assert abs(read_mannequin(tmp_path / "made" / "skirt-body.yaml").measurements_mm["hip"] - 1000.0) < 0.5
@@ -75,7 +75,7 @@ def test_refused(tmp_path: Path) -> None:
         (("import", "garment.dwg", "-o", "x.yaml"), "allowed is .json"),
         (("drape", "bad.json"), "'pattern' stands twice"),
     ):
-        run = garmentcad(*arguments, folder=tmp_path)
+        run = garmentcad_here(*arguments, folder=tmp_path)
         assert run.returncode == 2, run.stderr
         assert says in run.stdout + run.stderr
         assert "Traceback" not in run.stderr

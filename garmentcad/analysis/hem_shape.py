@@ -13,7 +13,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import find_peaks
 from shapely import LineString, Polygon, get_parts, polygonize, unary_union
 
 from garmentcad.cloth.cloth import Cloth
@@ -56,6 +55,8 @@ def hem_shape(cloth: Cloth, positions: np.ndarray, edge_keys: Iterable[str]) -> 
 
 def node_count(radius: np.ndarray, prominence_m: float = PROMINENCE_M) -> int:
     """Maxima of a closed curve of radii (N,) m that stand out by at least the prominence."""
+    from scipy.signal import find_peaks  # takes half a second, and no drape needs it before its end
+
     turned = np.roll(radius, -int(radius.argmin()))
     return len(find_peaks(np.append(turned, turned[0]), prominence=prominence_m)[0])
 
