@@ -19,7 +19,9 @@ GRID = "20"
 
 
 def command(folder: Path, *more: str) -> list[str]:
-    return [sys.executable, "-m", "garmentcad", "drape", "t-shirt", "--fabric", "wool-suiting", "--grid", GRID, "-o", str(folder), "--json", "--quiet", *more]
+    """On one thread: other tests run beside, and the bits are those of two."""
+    words = ["drape", "t-shirt", "--fabric", "wool-suiting", "--grid", GRID, "--threads", "1", "-o", str(folder), "--json", "--quiet"]
+    return [sys.executable, "-m", "garmentcad", *words, *more]
 
 
 def report_of(folder: Path, *more: str) -> dict:  # type: ignore[type-arg]
@@ -31,7 +33,7 @@ def report_of(folder: Path, *more: str) -> dict:  # type: ignore[type-arg]
 @pytest.fixture(scope="module")
 def draped(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict]:  # type: ignore[type-arg]
     folder = tmp_path_factory.mktemp("draped")
-    return folder, report_of(folder, "--threads", "2")
+    return folder, report_of(folder, "--threads", "2")  # the last word counts
 
 
 def test_comes_to_rest_clean(draped: tuple[Path, dict]) -> None:  # type: ignore[type-arg]
@@ -76,7 +78,9 @@ def test_judges_that_are_not_ours_agree(draped: tuple[Path, dict]) -> None:  # t
 
 def test_same_bits_with_one_thread(draped: tuple[Path, dict], tmp_path: Path) -> None:  # type: ignore[type-arg]
     _, report = draped
-    assert report_of(tmp_path, "--threads", "1")["state_sha256"] == report["state_sha256"]
+    single = report_of(tmp_path)
+    assert (single["threads"], report["threads"]) == (1, 2)
+    assert single["state_sha256"] == report["state_sha256"]
 
 
 def test_stopped_and_resumed_ends_in_the_same_bits(draped: tuple[Path, dict], tmp_path: Path) -> None:  # type: ignore[type-arg]

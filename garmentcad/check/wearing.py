@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -111,7 +112,9 @@ def _open_along(axis: np.ndarray, positions: np.ndarray, particle: np.ndarray) -
     return float((high - low).max())
 
 
-def _parts(body: Mannequin) -> Iterator[_Part]:
+@lru_cache(maxsize=4)  # many garments are checked on one body, which is taped at some 300 levels
+def _parts(body: Mannequin) -> tuple[_Part, ...]:
+    found = []
     for name in ("torso", "neck", "arm_left", "arm_right", "leg_left", "leg_right"):
         where = "head" if name == "neck" else name
         if name not in body.cylinders or where not in body.part_names:
@@ -138,7 +141,8 @@ def _parts(body: Mannequin) -> Iterator[_Part]:
             passed, by = np.full(len(levels), head_girth_mm(body) or 0.0), "head"
         elif name.startswith("arm"):
             passed, by = np.maximum(from_below, hand_girth_mm(body, name[4:]) or 0.0), "hand or the arm"
-        yield _Part(name, cylinder.origin, cylinder.up, levels, girths, passed, by)
+        found.append(_Part(name, cylinder.origin, cylinder.up, levels, girths, passed, by))
+    return tuple(found)
 
 
 def _rings(pattern: Pattern, cloth: Cloth, positions: np.ndarray, part: _Part) -> list[Ring]:

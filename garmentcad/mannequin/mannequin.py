@@ -28,9 +28,9 @@ class ArrangementCylinder:
     radius_side: float  # m
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Mannequin:
-    """A body. `faces` are counter-clockwise seen from outside; the surface is closed.
+    """A body, equal to itself alone. `faces` are counter-clockwise seen from outside; the surface is closed.
 
     measurements_mm: girths, lengths and `*_height` (above the floor) under DESIGN's names; landmarks: points on or in the body, m;
     cylinders: torso, arm_left, arm_right, leg_left, leg_right; face_part: index into part_names for each face (the torso alone is taped).
