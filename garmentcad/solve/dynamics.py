@@ -155,17 +155,15 @@ class Dynamics:
             self.forces.bending_stiffness(home, bending)
             limp = np.where(self.fixed | state.contact["stiff_touching"], 0.0, self._stiffness / np.maximum(bending, 1e-30))
             self.across[:] = light_across(self.cloth.particle_triangles, home, limp)
+        wanted, inverse_masses = smallest, self.true_inverse_masses
         if equalise:
             wanted = float(np.median(own[moving]))
-            self.set_inverse_masses(self.true_inverse_masses / np.maximum(1.0, (wanted / own) ** 2))
-        else:
-            wanted = smallest
-            self.set_inverse_masses(self.true_inverse_masses)
+            inverse_masses = self.true_inverse_masses / np.maximum(1.0, (wanted / own) ** 2)
         if steady:
-            masses = np.sqrt(self.inverse_masses)[:, None]
+            masses = np.sqrt(inverse_masses)[:, None]
             frequency = measured_frequency(self.forces, state.contact["stiff_home"], lambda vectors: masses * root_eased(vectors, self.across))
             wanted = max(wanted, 2.0 * SAFETY / frequency) if frequency > 0.0 else wanted
-        self._set_step(state, self.step_factor * wanted, self.inverse_masses)
+        self._set_step(state, self.step_factor * wanted, inverse_masses)
 
     def _set_step(self, state: State, time_step_s: float, inverse_masses: np.ndarray) -> None:
         self.set_inverse_masses(inverse_masses)
