@@ -330,7 +330,7 @@ def test_same_bits_for_two_threads_and_after_a_checkpoint(tmp_path: Path, monkey
     monkeypatch.setattr(running, "COARSEST_MM", 40.0)
     monkeypatch.setattr(running, "FEWEST_CELLS", 1.0)
     monkeypatch.setattr(running, "CHECKPOINT_EVERY_S", 0.0)
-    made = job(everything, max_time_s=1.6)
+    made = job(everything, max_time_s=1.8)
     found = []
     for threads in (1, 2):
         numba.set_num_threads(threads)

@@ -102,7 +102,7 @@ def hung(lighten: bool) -> tuple[float, int]:
     fixed = (u < 1e-6) | (u > 0.2 - 1e-6)
     forces = ForceAssembly(internal_forces(cloth, MATERIALS), cloth.particle_count, [ForceGravity(cloth.masses)])
     dynamics = Dynamics(cloth, forces, strain_limit(cloth, MATERIALS), Contact(cloth, MATERIALS), fixed)
-    dynamics.drag, dynamics.equalise, dynamics.speed_cap_m_s = 20.0, True, 1.0
+    dynamics.drag, dynamics.equalise, dynamics.speed_cap_m_s = 10.0, True, 1.0
     state = State(start, np.zeros_like(start))
     dynamics.start(state)
     dynamics.advance(state, 1920)

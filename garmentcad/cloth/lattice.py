@@ -20,7 +20,7 @@ from garmentcad.cloth.panel_mesh import PARTICLE_CAP, PanelMesh, mesh_panel, to_
 from garmentcad.errors import InputError, LimitError, SpecError
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.geometry.curve import Line
-from garmentcad.geometry.triangle import signed_areas
+from garmentcad.geometry.triangle import corner_shares, signed_areas
 from garmentcad.pattern.pattern import Edge, Panel, Pattern, Transform
 from garmentcad.units import MM_TO_M
 
@@ -161,8 +161,9 @@ def _part(panel: Panel, mesh: PanelMesh, material_of: MaterialOf, materials: Mat
     strip_area = signed_areas(mesh.points, mesh.triangles) * MM_TO_M**2
     count = len(mesh.points)
     corner_mass = np.repeat(0.25 * area * materials.areal_mass[cell_material], 4)
-    strip_mass = np.repeat(strip_area * materials.areal_mass[strip_material] / 3.0, 3)
-    masses = np.bincount(mesh.cells.ravel(), weights=corner_mass, minlength=count) + np.bincount(mesh.triangles.ravel(), weights=strip_mass, minlength=count)
+    strip_mass = (strip_area * materials.areal_mass[strip_material])[:, None] * corner_shares(mesh.points[mesh.triangles])
+    corners = np.concatenate([mesh.cells.ravel(), mesh.triangles.ravel()])
+    masses = np.bincount(corners, weights=np.concatenate([corner_mass, strip_mass.ravel()]), minlength=count)
     cells = Cells(
         corners=mesh.cells,
         spacing=np.full(len(mesh.cells), mesh.spacing * MM_TO_M),
