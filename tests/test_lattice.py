@@ -46,6 +46,20 @@ def test_mass_is_area_times_areal_mass(drawn, grain: float) -> None:
     assert contact.sum() * 1e-6 == pytest.approx(area, rel=1e-9)
 
 
+@pytest.mark.parametrize(("width", "height"), [(153.7, 71.3), (206.0, 60.4), (150.0, 80.0)])
+def test_particles_of_a_straight_edge_weigh_alike(width: float, height: float) -> None:
+    """Whichever way the diagonals of its strip run: along each edge, but for its ends, as the area over the length of a piece says within 15 %."""
+    cloth = panel_cloth(rectangle(width, height), MATERIALS, 1)
+    for axis, far in ((1, 0.0), (1, height), (0, 0.0), (0, width)):
+        on_edge = cloth.vertex_on_contour & (np.abs(cloth.vertex_uv_mm[:, axis] - far) < 1e-6)
+        along = cloth.vertex_uv_mm[:, 1 - axis]
+        inner = on_edge & (along > 20.0) & (along < (width, height)[1 - axis] - 20.0)
+        nearest = np.abs(cloth.vertex_uv_mm[~cloth.vertex_on_contour][:, axis] - far).min()
+        piece = np.diff(np.sort(along[on_edge])).mean()
+        assert inner.sum() > 1
+        assert cloth.masses[cloth.vertex_particle[inner]] == pytest.approx(np.full(inner.sum(), 0.30 * 0.5 * nearest * piece * 1e-6), rel=0.15)
+
+
 @pytest.mark.parametrize("grain", GRAINS)
 def test_affine_maps_are_exact_in_links_cells_and_triangles(grain: float) -> None:
     cloth = panel_cloth(panel(DART, grain), MATERIALS)

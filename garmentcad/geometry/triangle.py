@@ -1,4 +1,4 @@
-"""Areas and shape-function gradients of triangles in the plane."""
+"""Areas of triangles, what of them belongs to each corner, and gradients of shape functions in the plane."""
 
 from __future__ import annotations
 
