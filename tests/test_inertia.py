@@ -102,7 +102,7 @@ def hung(lighten: bool) -> tuple[float, int]:
     fixed = (u < 1e-6) | (u > 0.2 - 1e-6)
     forces = ForceAssembly(internal_forces(cloth, MATERIALS), cloth.particle_count, [ForceGravity(cloth.masses)])
     dynamics = Dynamics(cloth, forces, strain_limit(cloth, MATERIALS), Contact(cloth, MATERIALS), fixed)
-    dynamics.drag, dynamics.equalise, dynamics.speed_cap_m_s = 10.0, True, 1.0
+    dynamics.drag, dynamics.equalise, dynamics.speed_cap_m_s = 10.0, True, 1.0  # drag of 20 /s brakes light and heavy cloth alike
     state = State(start, np.zeros_like(start))
     dynamics.start(state)
     dynamics.advance(state, 1920)
@@ -119,4 +119,4 @@ def test_shape_at_rest_does_not_depend_on_inertia_but_light_cloth_is_there_soone
     light, fewer = hung(True)
     assert heavy < -0.03
     assert light == pytest.approx(heavy, abs=2e-6)
-    assert fewer < steps
+    assert fewer < 0.95 * steps
