@@ -18,6 +18,7 @@ os.environ.setdefault("GOMP_SPINCOUNT", "3000000")
 import llvmlite.binding as llvm
 import numpy as np
 from numba import get_num_threads, njit
+from numba.core.compiler import Compiler
 
 from garmentcad.kernel_cache import KernelCache, keep_apart
 
@@ -47,6 +48,20 @@ def kernel(function: Any) -> Any:
 def long_kernel(function: Any) -> Any:
     """Compile a kernel that runs on one thread and stays apart from those that call it."""
     return _compiled(function, apart=True)
+
+
+class _Disjoint(Compiler):
+    """Compiles as usual, and tells the optimiser that arguments do not overlap: numba knows the flag, but has no option for it."""
+
+    def __init__(self, typing: Any, target: Any, library: Any, arguments: Any, result: Any, flags: Any, local_types: Any) -> None:
+        flags.noalias = True
+        super().__init__(typing, target, library, arguments, result, flags, local_types)
+
+
+def row_kernel(function: Any) -> Any:
+    """Compile a kernel of wide loops. No number that it writes through one argument may be reached through another: then the compiler need not check at run
+    time, at every call, that some thirty rows do not overlap, which takes half of its own time."""
+    return _compiled(function, pipeline_class=_Disjoint)
 
 
 def inlined_kernel(function: Any) -> Any:

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from garmentcad.arrays import kernel
+from garmentcad.arrays import kernel, row_kernel
 from garmentcad.cloth.cloth import WARP, Cells, Cloth
 from garmentcad.forces.force import NO_PARTICLE
 from garmentcad.forces.rows import LatticeSlots
@@ -61,7 +61,7 @@ def limited(arc):  # type: ignore[no-untyped-def]
 limited_arc = kernel(limited)
 
 
-@kernel
+@row_kernel
 def gather_corners(span, pull, total):  # type: ignore[no-untyped-def]
     """Sum over the four cells around each slot of what stands at their corners 00, pull (3,R), into total (3,R); span: first slot in the room, slots to the
     warp neighbour, number of slots. Four times that less the sum of those of its neighbours is what arcs push a slot by: bow is four such differences."""

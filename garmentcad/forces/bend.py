@@ -23,7 +23,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from garmentcad.arrays import compact, floats, indices, inlined_kernel, kernel, long_kernel
+from garmentcad.arrays import compact, floats, indices, inlined_kernel, kernel, long_kernel, row_kernel
 from garmentcad.cloth.cloth import WARP, WEFT, BendLines
 from garmentcad.fabric.internal_friction import dragged
 from garmentcad.fabric.law_bending import STICK
@@ -97,7 +97,7 @@ def tilt_forces(sx, sy, sz, nx, ny, nz, inverse, px, py, pz, qx, qy, qz):  # typ
     return qy * sz - qz * sy, qz * sx - qx * sz, qx * sy - qy * sx, sy * pz - sz * py, sz * px - sx * pz, sx * py - sy * px
 
 
-@kernel
+@row_kernel
 def bend_row(span, origin, bends, spacing, motion, lines, pull, held):  # type: ignore[no-untyped-def]
     """Weft and warp lines whose arms are the links before and behind their centres; span: first centre in the room, slots to the warp neighbour, number of
     centres; origin: slot at which the room begins.
@@ -143,7 +143,7 @@ def bend_row(span, origin, bends, spacing, motion, lines, pull, held):  # type: 
         warp_u[i], warp_v[i], warp_w[i] = cu + s * gx, cv + s * gy, cw + s * gz
 
 
-@kernel
+@row_kernel
 def _load_arms(span, lines, positions, arms):  # type: ignore[no-untyped-def]
     """Arms a and b and the way across (9,PART) of the lines in span: first, number."""
     first, count = span
@@ -159,7 +159,7 @@ def _load_arms(span, lines, positions, arms):  # type: ignore[no-untyped-def]
             arms[6 + axis, i] = x[f, axis] - x[e, axis]
 
 
-@kernel
+@row_kernel
 def _turn_arms(count, lines, first, sliders, arms, lost):  # type: ignore[no-untyped-def]
     """In place of the arms (9,PART): the force on the end of arm a, minus the force on the end of arm b, the force before the centre across. Moves the sliders;
     the energy lost [J] goes into lost (PART,)."""

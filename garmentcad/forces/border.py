@@ -19,7 +19,7 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-from garmentcad.arrays import floats, indices, kernel, long_kernel, rows_by_key
+from garmentcad.arrays import floats, indices, kernel, long_kernel, row_kernel, rows_by_key
 from garmentcad.cloth.cloth import WARP, WEFT, BorderTriangles, Cloth
 from garmentcad.fabric.internal_friction import dragged
 from garmentcad.fabric.law_shear import stick_stiffness
@@ -52,7 +52,7 @@ class BorderParts(NamedTuple):
     tension: np.ndarray  # (8,K) coefficients of `tension_force`, warp and then weft
 
 
-@kernel
+@row_kernel
 def _load_edges(span, corners, positions, velocities, edges):  # type: ignore[no-untyped-def]
     """Edges from corner 0 to 1 and to 2, and their velocities, into edges (12+,L); span: first triangle, number."""
     first, count = span
@@ -64,7 +64,7 @@ def _load_edges(span, corners, positions, velocities, edges):  # type: ignore[no
             edges[6 + axis, i], edges[9 + axis, i] = v[b, axis] - v[a, axis], v[c, axis] - v[a, axis]
 
 
-@kernel
+@row_kernel
 def _strain_row(count, along_b, along_c, edges, directions, strains):  # type: ignore[no-untyped-def]
     """Warp or weft of a row of triangles: u/|u| into directions (3+,L), |u| - 1 and its rate into strains (2+,L)."""
     bx, by, bz, cx, cy, cz = edges[0], edges[1], edges[2], edges[3], edges[4], edges[5]
@@ -114,7 +114,7 @@ def _keep_sliders(span, parts, held, gone, axis, sliders):  # type: ignore[no-un
     return total
 
 
-@kernel
+@row_kernel
 def _stress_row(count, damping_time, curves, first, held, means, gone):  # type: ignore[no-untyped-def]
     """Tension [N/m] of patches in place of their strains, from strains and rates (2,K). Moves their sliders held (K,); energy lost per area into gone (K,)."""
     rate, amplitude, em, stick = curves[0, first:], curves[1, first:], curves[2, first:], curves[3, first:]
@@ -133,7 +133,7 @@ def _mean_stresses(span, patch, means, stresses):  # type: ignore[no-untyped-def
         stresses[1, i] = (1.0 / 3.0) * (means[2, p] + means[2, q] + means[2, r])
 
 
-@kernel
+@row_kernel
 def _force_row(span, damping_time, parts, sliders, edges, directions, stresses):  # type: ignore[no-untyped-def]
     """Forces on corners 1 and 2 of triangles, in place of their edges, and the energy lost [J], in place of their warp stress; span: first of the L and of
     the T triangles, number. Moves the sliders (T,) of shear."""

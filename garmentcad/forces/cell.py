@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from garmentcad.arrays import kernel
+from garmentcad.arrays import row_kernel
 from garmentcad.fabric.internal_friction import dragged
 from garmentcad.fabric.law_bending import STICK
 from garmentcad.fabric.law_shear import stick_stiffness
@@ -13,7 +13,7 @@ from garmentcad.forces.shear import shear_angle
 from garmentcad.forces.twist import LEAST_NORMAL
 
 
-@kernel
+@row_kernel
 def cell_row(span, origin, cells, setting, motion, out, held):  # type: ignore[no-untyped-def]
     """Cells whose corners 00 are in a row; span: first slot in the room, slots to the corner 01, number of cells; origin: slot at which the room begins.
 

@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from garmentcad.arrays import indices, kernel, long_kernel
+from garmentcad.arrays import indices, kernel, long_kernel, row_kernel
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.fabric.internal_friction import dragged
 from garmentcad.fabric.law_bending import STICK
@@ -38,7 +38,7 @@ class HingeElements(NamedTuple):
     way: np.ndarray  # (H,) rad
 
 
-@kernel
+@row_kernel
 def _load_wings(span, corners, positions, wings):  # type: ignore[no-untyped-def]
     """From the edge's start to its end, to wing a and to wing b, into wings (9,PART); span: first hinge, number."""
     first, count = span
@@ -49,7 +49,7 @@ def _load_wings(span, corners, positions, wings):  # type: ignore[no-untyped-def
             wings[axis, i], wings[3 + axis, i], wings[6 + axis, i] = x[e, axis] - x[s, axis], x[a, axis] - x[s, axis], x[b, axis] - x[s, axis]
 
 
-@kernel
+@row_kernel
 def _fold(count, hinges, first, sliders, wings, lost):  # type: ignore[no-untyped-def]
     """In place of wings (9,PART): the forces on edge end, wing a and wing b. Moves the sliders; the energy lost [J] goes into lost (PART,)."""
     stiffness, rest_angle, way, slider = hinges.stiffness[first:], hinges.rest_angle[first:], hinges.way[first:], sliders[first:]

@@ -8,7 +8,7 @@ from typing import Any
 import numba
 import numpy as np
 
-from garmentcad.arrays import indices, kernel, long_kernel
+from garmentcad.arrays import indices, kernel, long_kernel, row_kernel
 from garmentcad.cloth.cloth import WEFT, BendLines, Cells, Cloth, Links
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.arcs import cell_neighbours, gather_corners
@@ -35,7 +35,7 @@ PART_OF_LAW = 1 << 14  # elements whose strains, energies and stiffness are foun
 _SUMS = 8  # partial sums of what a block loses, so that the additions need not wait for each other
 
 
-@kernel
+@row_kernel
 def _load(span, particle, positions, velocities, motion):  # type: ignore[no-untyped-def]
     """Places and velocities of the slots and 1 into motion (7,R), 0 where a slot is empty; span: first slot, number of slots."""
     first, count = span
@@ -49,7 +49,7 @@ def _load(span, particle, positions, velocities, motion):  # type: ignore[no-unt
             x[i] = y[i] = z[i] = u[i] = v[i] = w[i] = present[i] = 0.0
 
 
-@kernel
+@row_kernel
 def _sum(span, room, total):  # type: ignore[no-untyped-def]
     """Total of each slot into total (3+,R); span: first slot in the room, slots to the warp neighbour, number of slots."""
     first, up, count = span
@@ -72,7 +72,7 @@ def _sum(span, room, total):  # type: ignore[no-untyped-def]
             into[i] = (along_weft + along_warp) + (((c00[i] + c10[i]) + (c11[i] + c01[i])) - around)
 
 
-@kernel
+@row_kernel
 def _store(first, count, total, out):  # type: ignore[no-untyped-def]
     """Total (3+,R) of the slots from `first` in the room on into out (3 count,): one row of memory, for wide instructions."""
     x, y, z = total[0, first:], total[1, first:], total[2, first:]
@@ -81,7 +81,7 @@ def _store(first, count, total, out):  # type: ignore[no-untyped-def]
         out[k], out[k + np.uint64(1)], out[k + np.uint64(2)] = x[i], y[i], z[i]
 
 
-@kernel
+@row_kernel
 def _keep(first, count, after, sliders):  # type: ignore[no-untyped-def]
     """Sliders (6,R) of the slots from `first` in the room on into those (6,count) of the cloth."""
     for row in range(SLIDERS):

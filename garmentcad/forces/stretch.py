@@ -15,7 +15,7 @@ import math
 
 import numpy as np
 
-from garmentcad.arrays import compact, indices, kernel
+from garmentcad.arrays import compact, indices, kernel, row_kernel
 from garmentcad.cloth.cloth import WARP, WEFT, Links
 from garmentcad.fabric.internal_friction import dragged
 from garmentcad.fabric.law_tension import WAY
@@ -49,7 +49,7 @@ def tension_force(strain, damped_rate, slider, rate, amplitude, em, stick):  # t
     return amplitude * (curve * share + rate * damped_rate), after, gone
 
 
-@kernel
+@row_kernel
 def stretch_row(span, origin, links, setting, motion, lines, pull, held):  # type: ignore[no-untyped-def]
     """Links from each slot to a neighbour; span: first slot in the room, slots to the neighbour, number of links; origin: slot at which the room begins.
 
