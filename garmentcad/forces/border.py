@@ -27,7 +27,16 @@ from garmentcad.fabric.law_tension import WAY
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.force import CURVES, Gauge, OneLaw
 from garmentcad.forces.rows import PART
-from garmentcad.forces.shear import SHORTEST, angle_and_lengths, largest_shear_stiffness, shear_angle, shear_curves, shear_energy_at
+from garmentcad.forces.shear import (
+    SHORTEST,
+    angle_and_lengths,
+    chord_angle,
+    chord_gradients,
+    chord_products,
+    largest_shear_stiffness,
+    shear_curves,
+    shear_energy_at,
+)
 from garmentcad.forces.stretch import COEFFICIENTS, tension_coefficients, tension_force
 from garmentcad.forces.tension_curves import largest_tension_at, tension_curves, tension_energy_at
 
@@ -149,7 +158,9 @@ def _force_row(span, damping_time, parts, sliders, edges, directions, stresses):
         g, h, k, m = warp_b[i], warp_c[i], weft_b[i], weft_c[i]
         ux, uy, uz = g * bx[i] + h * cx[i], g * by[i] + h * cy[i], g * bz[i] + h * cz[i]
         wx, wy, wz = k * bx[i] + m * cx[i], k * by[i] + m * cy[i], k * bz[i] + m * cz[i]
-        gamma, gux, guy, guz, gwx, gwy, gwz, _ = shear_angle(ux, uy, uz, wx, wy, wz)
+        uu, ww, dot = chord_products(ux, uy, uz, wx, wy, wz)
+        gamma, inverse, share_u, share_w = chord_angle(uu, ww, dot)
+        gux, guy, guz, gwx, gwy, gwz = chord_gradients(ux, uy, uz, wx, wy, wz, inverse, share_u, share_w)
         rate = gux * (g * bu[i] + h * cu[i]) + guy * (g * bv[i] + h * cv[i]) + guz * (g * bw[i] + h * cw[i])
         rate += gwx * (k * bu[i] + m * cu[i]) + gwy * (k * bv[i] + m * cv[i]) + gwz * (k * bw[i] + m * cw[i])
         after = dragged(slider[i], gamma, way[i])

@@ -133,8 +133,8 @@ def lattice_block(k, blocks, fabric, setting, positions, velocities, rooms, out)
     bend_row((begin - origin, up, count), origin, coefficients[_C_BEND:], h, motion, lines, pull, bends)
     begin = (first - 2 * up - 1) // LANES * LANES
     count = (last + LANES - begin) // LANES * LANES
-    cells = sliders[_S_CELL:], after[_S_CELL:], lost
-    cell_row((begin - origin, up, count), origin, coefficients[_C_CELL:], setting, motion, room[_CELL:_WEFT], cells)
+    corners = room[_CELL : _CELL + 3], room[_CELL + 3 : _CELL + 6], room[_CELL + 6 : _CELL + 9], room[_CELL + 9 : _CELL + 12], room[_CELL + 12 : _WEFT]
+    cell_row((begin - origin, up, count), origin, coefficients[_C_CELL:], setting, motion, *corners, sliders[_S_CELL:], after[_S_CELL:], lost)
     begin = (first - up) // LANES * LANES
     count = (last + LANES - begin) // LANES * LANES
     gather_corners((begin - origin, up, count), room[_CELL + 12 : _WEFT], motion[_ARCS:])

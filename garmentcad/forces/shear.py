@@ -30,23 +30,31 @@ LEAST_COSINE = 1e-6  # floor of cos(gamma) in divisions
 
 
 @kernel
-def shear_angle(ux, uy, uz, wx, wy, wz):  # type: ignore[no-untyped-def]
-    """gamma of warp vector u and weft vector w, dgamma/du and dgamma/dw, 1/|u x w|: (gamma, ux, uy, uz, wx, wy, wz, inverse). Without branches."""
+def chord_products(ux, uy, uz, wx, wy, wz):  # type: ignore[no-untyped-def]
+    """u.u, w.w, none of them below its floor, and u.w of warp vector u and weft vector w."""
     uu = max(ux * ux + uy * uy + uz * uz, SHORTEST * SHORTEST)
     ww = max(wx * wx + wy * wy + wz * wz, SHORTEST * SHORTEST)
-    dot = ux * wx + uy * wy + uz * wz
+    return uu, ww, ux * wx + uy * wy + uz * wz
+
+
+@kernel
+def chord_angle(uu, ww, dot):  # type: ignore[no-untyped-def]
+    """gamma of chords alone from `chord_products`, 1/|u x w|, and the shares of u and w in each other, u.w/u.u and u.w/w.w. Without branches."""
     square = uu * ww
     # |u x w|, the cosine of gamma times both lengths
     cross = math.sqrt(max(square - dot * dot, LEAST_COSINE * LEAST_COSINE * square))
     inverse, inverse_square = 1.0 / cross, 1.0 / square
     inverse_lengths = math.sqrt(inverse_square)
     gamma = dot * inverse_lengths * angle_over_sine(cross * inverse_lengths)
-    shear_u, shear_w = dot * ww * inverse_square, dot * uu * inverse_square
+    return gamma, inverse, dot * ww * inverse_square, dot * uu * inverse_square
+
+
+@kernel
+def chord_gradients(ux, uy, uz, wx, wy, wz, inverse, share_u, share_w):  # type: ignore[no-untyped-def]
+    """dgamma/du and dgamma/dw of chords alone, from u, w and what `chord_angle` says of them."""
     return (
-        gamma,
-        inverse * (wx - shear_u * ux), inverse * (wy - shear_u * uy), inverse * (wz - shear_u * uz),
-        inverse * (ux - shear_w * wx), inverse * (uy - shear_w * wy), inverse * (uz - shear_w * wz),
-        inverse,
+        inverse * (wx - share_u * ux), inverse * (wy - share_u * uy), inverse * (wz - share_u * uz),
+        inverse * (ux - share_w * wx), inverse * (uy - share_w * wy), inverse * (uz - share_w * wz),
     )  # fmt: skip
 
 

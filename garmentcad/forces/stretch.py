@@ -69,16 +69,19 @@ def stretch_row(span, origin, links, setting, motion, lines, pull, held):  # typ
     slider, moved, gone = before[here:], after[first:], lost[first:]
     inverse_rest, shortest = 1.0 / rest, SHORTEST * rest
     damping = damping_time * inverse_rest
+    # Two loops, as one would wait for its root and its division (cell.py); strain and rate stand in for the force meanwhile.
     for i in range(np.uint64(count)):
         dx, dy, dz = xb[i] - xa[i], yb[i] - ya[i], zb[i] - za[i]
         length = math.sqrt(dx * dx + dy * dy + dz * dz)
         inverse = 1.0 / max(length, shortest)
         dx, dy, dz = dx * inverse, dy * inverse, dz * inverse
         speed = (ub[i] - ua[i]) * dx + (vb[i] - va[i]) * dy + (wb[i] - wa[i]) * dz
-        force, moved[i], density = tension_force(length * inverse_rest - 1.0, damping * speed, slider[i], rate[i], amplitude[i], em[i], stick[i])
-        gone[i] += rest * density
         ex[i], ey[i], ez[i], inverses[i] = dx, dy, dz, inverse
-        fx[i], fy[i], fz[i] = force * dx, force * dy, force * dz
+        fx[i], fy[i] = length * inverse_rest - 1.0, damping * speed
+    for i in range(np.uint64(count)):
+        force, moved[i], density = tension_force(fx[i], fy[i], slider[i], rate[i], amplitude[i], em[i], stick[i])
+        gone[i] += rest * density
+        fx[i], fy[i], fz[i] = force * ex[i], force * ey[i], force * ez[i]
 
 
 def tension_coefficients(curves: TensionCurves, rows: np.ndarray, width: np.ndarray | float = 1.0) -> np.ndarray:
