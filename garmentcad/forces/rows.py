@@ -19,7 +19,9 @@ from garmentcad.arrays import indices
 from garmentcad.cloth.cloth import WARP, WEFT, BendLines, Cloth
 from garmentcad.forces.force import NO_PARTICLE
 
-BLOCK = 1536  # slots of a block, about: so many that what is computed twice at its ends does not count, so few that its fields stay in a near cache
+# Slots of a block, about: so few that its fields stay in a near cache, and at least so many rows that the three which are computed twice at its ends do not
+# count (a square of 160,000 particles, whose blocks were of four rows, takes a quarter less).
+BLOCK, BLOCK_ROWS = 1536, 24
 PART = 128  # border triangles, contour lines, spans or hinges that are computed together
 NEVER = 1e30  # a strain that nothing reaches
 LANES = 8  # numbers in the widest registers: loops begin at multiples of it
@@ -63,7 +65,7 @@ class LatticeSlots:
             width, height = place[mine].max(axis=0) + np.array([2, 1])  # an empty slot ends each row: neighbours across it are none
             start = max(end + 2 * width + 1, 3 * width + 2 * LANES)
             slot[mine] = start + place[mine, 1] * width + place[mine, 0]
-            pairs = round(0.5 * width * height / BLOCK)  # an even number: two threads share a panel
+            pairs = round(0.5 * width * height / max(BLOCK, BLOCK_ROWS * width))  # an even number: two threads share a panel
             rows = np.linspace(0, height, min(max(1, 2 * pairs), height) + 1).astype(np.int64)
             table += [(start + a * width, (b - a) * width, width) for a, b in itertools.pairwise(rows)]
             end = start + height * width + width + 1
