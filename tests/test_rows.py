@@ -8,9 +8,10 @@ from small_cloth import materials as two_materials
 from small_cloth import small_cloth
 
 from garmentcad.cloth.cloth import Cloth
-from garmentcad.cloth.lattice import build_cloth
+from garmentcad.cloth.lattice import build_cloth, rectangle_cloth
 from garmentcad.cloth.weld import weld
 from garmentcad.fabric.material import MaterialTable, without_friction
+from garmentcad.forces import rows
 from garmentcad.forces.force import NO_PARTICLE
 from garmentcad.forces.lattice import ForceLattice
 from garmentcad.forces.rows import LatticeSlots
@@ -64,3 +65,35 @@ def test_every_lattice_particle_has_one_slot(garment: tuple[Cloth, MaterialTable
     held = np.concatenate([blocks.particle[first : first + size] for first, size in zip(blocks.first, blocks.size, strict=True)])
     expected = np.sort(cloth.vertex_particle[~cloth.vertex_on_contour])
     np.testing.assert_array_equal(np.sort(held[held != NO_PARTICLE]), expected)
+
+
+@pytest.mark.parametrize("slots", [1, 120])
+def test_forces_and_sliders_do_not_depend_on_the_blocks(garment: tuple[Cloth, MaterialTable, np.ndarray], slots: int, monkeypatch) -> None:
+    """Blocks of one row or a few compute most of it two times or more."""
+    cloth, materials, positions = garment
+
+    def moved() -> tuple[list[bytes], int]:
+        force, rng, found = ForceLattice(cloth, materials, damping_time=1e-5), np.random.default_rng(7), []
+        sliders, out = force.slack(), np.zeros((len(force.corners), 3))
+        for _ in range(3):  # there and back, so that sliders move
+            places, velocities = positions + 2e-4 * rng.standard_normal(positions.shape), rng.standard_normal(positions.shape)
+            force.write_forces(places, velocities, out, sliders)
+            total = np.zeros_like(positions)
+            total[force.corners[force.corners != NO_PARTICLE]] = out[force.corners != NO_PARTICLE]
+            found += [total.tobytes(), sliders.tobytes()]
+        return found, len(LatticeSlots(cloth).blocks.first)
+
+    expected, blocks = moved()
+    monkeypatch.setattr(rows, "BLOCK", slots)
+    monkeypatch.setattr(rows, "BLOCK_ROWS", 1)
+    found, others = moved()
+    assert others != blocks
+    assert found == expected
+
+
+def test_wide_cloth_has_blocks_of_many_rows() -> None:
+    """Three rows of a block are computed twice: with four rows, as blocks of so many slots would have here, that is three quarters more."""
+    cloth = rectangle_cloth(4000.0, 800.0, 10.0, 0.0, two_materials())
+    blocks = LatticeSlots(cloth).blocks
+    assert len(blocks.size) > 1
+    assert (blocks.size // blocks.columns).min() >= 16
