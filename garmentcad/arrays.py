@@ -59,8 +59,8 @@ class _Disjoint(Compiler):
 
 
 def row_kernel(function: Any) -> Any:
-    """Compile a kernel of wide loops. No number that it writes through one argument may be reached through another: then the compiler need not check at run
-    time, at every call, that some thirty rows do not overlap, which takes half of its own time."""
+    """Compile a kernel of wide loops. What it writes through one array argument it must not read or write through another; rows of one argument may be mixed.
+    So the compiler need not check at run time, at every call, that some thirty rows do not overlap; to compile such checks takes half of its time."""
     return _compiled(function, pipeline_class=_Disjoint)
 
 

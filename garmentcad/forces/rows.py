@@ -19,8 +19,8 @@ from garmentcad.arrays import indices
 from garmentcad.cloth.cloth import WARP, WEFT, BendLines, Cloth
 from garmentcad.forces.force import NO_PARTICLE
 
-# Slots of a block, about: so few that its fields stay in a near cache, and at least so many rows that the three which are computed twice at its ends do not
-# count (a square of 160,000 particles, whose blocks were of four rows, takes a quarter less).
+# Slots of a block, about: so few that its fields stay in a near cache, but about so many rows or more that the three which are computed twice at its ends
+# hardly count (a square of 160,000 particles, whose blocks were of four rows, takes a quarter less).
 BLOCK, BLOCK_ROWS = 1536, 24
 PART = 128  # border triangles, contour lines, spans or hinges that are computed together
 NEVER = 1e30  # a strain that nothing reaches

@@ -31,7 +31,7 @@ LEAST_COSINE = 1e-6  # floor of cos(gamma) in divisions
 
 @kernel
 def chord_products(ux, uy, uz, wx, wy, wz):  # type: ignore[no-untyped-def]
-    """u.u, w.w, none of them below its floor, and u.w of warp vector u and weft vector w."""
+    """u.u and w.w, neither below SHORTEST^2, and u.w of warp vector u and weft vector w (length 1 at rest)."""
     uu = max(ux * ux + uy * uy + uz * uz, SHORTEST * SHORTEST)
     ww = max(wx * wx + wy * wy + wz * wz, SHORTEST * SHORTEST)
     return uu, ww, ux * wx + uy * wy + uz * wz
@@ -39,7 +39,7 @@ def chord_products(ux, uy, uz, wx, wy, wz):  # type: ignore[no-untyped-def]
 
 @kernel
 def chord_angle(uu, ww, dot):  # type: ignore[no-untyped-def]
-    """gamma of chords alone from `chord_products`, 1/|u x w|, and the shares of u and w in each other, u.w/u.u and u.w/w.w. Without branches."""
+    """asin(u.w/(|u| |w|)) [rad] from `chord_products`, 1/|u x w|, and the shares of u and w in each other, u.w/u.u and u.w/w.w. Without branches."""
     square = uu * ww
     # |u x w|, the cosine of gamma times both lengths
     cross = math.sqrt(max(square - dot * dot, LEAST_COSINE * LEAST_COSINE * square))
@@ -51,7 +51,7 @@ def chord_angle(uu, ww, dot):  # type: ignore[no-untyped-def]
 
 @kernel
 def chord_gradients(ux, uy, uz, wx, wy, wz, inverse, share_u, share_w):  # type: ignore[no-untyped-def]
-    """dgamma/du and dgamma/dw of chords alone, from u, w and what `chord_angle` says of them."""
+    """Derivatives of the angle of `chord_angle` by u and by w [rad], three numbers each, from u, w and what else it returns."""
     return (
         inverse * (wx - share_u * ux), inverse * (wy - share_u * uy), inverse * (wz - share_u * uz),
         inverse * (ux - share_w * wx), inverse * (uy - share_w * wy), inverse * (uz - share_w * wz),
