@@ -112,7 +112,8 @@ def test_some_seams_are_welded_before_others(folder: Path) -> None:
     [
         (("{garment: belt.yaml, fabric: denim}", "{garment: band.yaml}"), "two garments are called 'band'"),
         (("{garment: belt.yaml, fabric: denim}", "{garment: bandit.yaml}"), r"outfit\.yaml: garments\.1\.garment: .*bandit\.yaml"),
-        (("  - {garment: belt.yaml, fabric: denim}\n", ""), "at least 2"),
+        (("  - {garment: belt.yaml, fabric: denim}\n", ""), "at least 2 entries are wanted, came 1"),
+        (("  - {garment: belt.yaml", "  - {garment: band.yaml}\n" * 5 + "  - {garment: belt.yaml"), "at most 6 entries are wanted, came 7"),
         (("fabric: denim", "fabrik: denim"), "did you mean"),
         (("garment: belt.yaml", "garment: ../belt.yaml"), "refused"),
     ],
