@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from garmentcad import __version__
-from garmentcad.fabric.material import MaterialTable, without_friction
+from garmentcad.fabric.material import MaterialTable
 from garmentcad.fabric.missing import complete
 from garmentcad.fabric.sheet import KesSheet, KesValue, sheet_sha256
 from garmentcad.io.atomic import write_atomic
@@ -42,11 +42,13 @@ KNOWN = ("W", "T0", "B.mean", "2HB.mean")  # what the sheets of these four hold;
 SHEARS = (0.3, 1.0, 3.0)  # gf/(cm.deg), beside the rule's
 DISCS = ("12.7/25.4", "18/30")
 FOUR_AT_MM = {"measured": GRID_MM, "measured-fine": FINE_MM}  # parts of these four
+AT_MM = FOUR_AT_MM | {"nodes-fine": FINE_MM}  # what is not at GRID_MM
 SYNTHETIC_W = 15.0  # mg/cm2
 SYNTHETIC = (
     (0.0008, 0.025), (0.0015, 0.04), (0.003, 0.06), (0.006, 0.1), (0.012, 0.16), (0.025, 0.25), (0.05, 0.4), (0.1, 0.63), (0.2, 1.0), (0.28, 1.25),
     (0.4, 1.6), (0.8, 2.5),
 )  # fmt: skip  # B, G: G as B^(2/3)
+SYNTHETIC_SHEETS = {f"synthetic B {bending:g} G {shear:g}": (bending, shear) for bending, shear in SYNTHETIC}
 COMPARED = (
     "viscose-lining",
     "polyester-faille",
@@ -61,6 +63,11 @@ STEPS = (0.5, 0.25)
 WAITED_S = 2.0
 
 
+def bending_length_mm(bending: float) -> float:
+    """(B/W)^(1/3) of a synthetic sheet, B in gf.cm2/cm: cloth that hangs bends within about this length, which the lattice must resolve."""
+    return 10.0 * (1e3 * bending / SYNTHETIC_W) ** (1.0 / 3.0)
+
+
 def sheets() -> dict[str, KesSheet]:
     """Every sheet of the study by its name in the cases."""
     found = {name: load_fabric(fabric_path(name)).sheet for name in fabric_names()}
@@ -72,10 +79,10 @@ def sheets() -> dict[str, KesSheet]:
             found[f"{printed.name} G rule"] = sheet
             for shear in SHEARS:
                 found[f"{printed.name} G {shear:g}"] = sheet.with_values({"G.mean": KesValue(value=shear, estimate="varied")})
-    for bending, shear in SYNTHETIC:
+    for name, (bending, shear) in SYNTHETIC_SHEETS.items():
         values = {"W": SYNTHETIC_W, "B.mean": bending, "G.mean": shear}
         made = KesSheet(schema=1, name="synthetic").with_values({key: KesValue(value=value, estimate="made up") for key, value in values.items()})
-        found[f"synthetic B {bending:g} G {shear:g}"] = made
+        found[name] = made
     return {name: complete(sheet).sheet for name, sheet in found.items()}
 
 
@@ -93,12 +100,12 @@ def study_cases(known: Mapping[str, KesSheet]) -> list[StudyCase]:
         if lay < LAYS:
             for part in FOUR_AT_MM:
                 found += [case(part, name, lay, disc, geometry=disc) for name in known if name.startswith("MAT15") for disc in DISCS]
-            found += [case("nodes", name, lay) for name in known if name.startswith("synthetic")]
+            found += [case("nodes", name, lay) for name in SYNTHETIC_SHEETS]
+            found += [case("nodes-fine", name, lay) for name, (bending, _) in SYNTHETIC_SHEETS.items() if bending_length_mm(bending) < GRID_MM]
             found += [case("shipped", name, lay) for name in fabric_names()]
         found += [case("grid", name, lay) for name in COMPARED]
         if lay < LAYS:
             found += [case("origin", name, lay) for name in COMPARED]
-            found += [case("elastic", name, lay) for name in known if name.startswith("synthetic")]
         if lay < STEP_LAYS:
             found += [case("step", name, lay) for name in COMPARED]
     return found
@@ -121,9 +128,7 @@ def run_case(case: StudyCase, materials: MaterialTable) -> Mapping[str, Any]:
     """Figures of one lay, and of what the part compares it with."""
     began = time.perf_counter()
     part, lay = case.parameters["part"], case.parameters["lay"]
-    if part == "elastic":
-        materials = without_friction(materials)
-    meter = Drapemeter(materials, FOUR_AT_MM.get(part, GRID_MM), case.parameters.get("geometry", USUAL))
+    meter = Drapemeter(materials, AT_MM.get(part, GRID_MM), case.parameters.get("geometry", USUAL))
     drape = meter.lay(lay)
     row = figures(drape)
     if part == "grid":
@@ -228,14 +233,19 @@ def _nodes(parts: Mapping[str, Mapping[str, list[Row]]]) -> list[str]:
     """Synthetic sheets from limp to stiff."""
     lines = [
         "## Nodes over stiffness", "",
-        f"Synthetic sheets of {SYNTHETIC_W:g} mg/cm2 of rising B whose G goes as B^(2/3); the rest by the rules. Without internal friction on the "
-        "right.", "",
-        *_table("sheet", "DC (SD)", "nodes (SD)", "lowest mm", "elastic: DC (SD)", "nodes (SD)"),
+        f"Synthetic sheets of {SYNTHETIC_W:g} mg/cm2 of rising B whose G goes as B^(2/3); the rest by the rules. Cloth that hangs bends within about "
+        f"c = (B/W)^(1/3). Where that is shorter than a spacing of {GRID_MM:g} mm, that lattice is too coarse for the folds, and {FINE_MM:g} mm count.", "",
+        *_table("sheet", "c mm", *(f"{grid_mm:g} mm: DC (SD) | nodes (SD) | lowest mm" for grid_mm in (FINE_MM, GRID_MM))),
     ]  # fmt: skip
+    lines[-1] = "|" + "---|" * 8
     for name, rows in parts["nodes"].items():
-        elastic = parts.get("elastic", {}).get(name)
-        right = "- | -" if elastic is None else f"{_spread(_dc(elastic))} | {_spread(_values(elastic, 'nodes'))}"
-        lines.append(f"| {name} | {_spread(_dc(rows))} | {_spread(_values(rows, 'nodes'))} | {_values(rows, 'lowest_mm').mean():.0f} | {right} |")
+        fine = parts.get("nodes-fine", {}).get(name)
+        cells = [
+            "- | - | -" if found is None else
+            f"{_spread(_dc(found))} | {_spread(_values(found, 'nodes'))} | {_values(found, 'lowest_mm').mean():.0f}"
+            for found in (fine, rows)
+        ]  # fmt: skip
+        lines.append(f"| {name} | {bending_length_mm(SYNTHETIC_SHEETS[name][0]):.1f} | " + " | ".join(cells) + " |")
     return lines
 
 
