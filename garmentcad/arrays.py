@@ -9,6 +9,7 @@ import os
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from functools import cache
 from typing import Any
 
 # Between the parallel regions of a step a waiting thread spins. One that sleeps costs about 100 us a region to wake, and may wake on the other thread's core
@@ -19,6 +20,7 @@ import llvmlite.binding as llvm
 import numpy as np
 from numba import get_num_threads, njit
 from numba.core.compiler import Compiler
+from numba.core.registry import CPUDispatcher
 
 from garmentcad.kernel_cache import KernelCache, keep_apart
 
@@ -29,15 +31,37 @@ for _option in ("-runtime-memory-check-threshold=4000", "-vectorize-memory-check
 # Strict floating point. Contraction to fused operations would be 9 % faster, but which products it fuses changes with what a kernel is compiled into, and a
 # process that has just compiled calls other copies of a kernel than one that loads it: the same run would end in other bits.
 _OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
+_INNER: dict[str, Any] = {**_OPTIONS, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+
+
+class _Inner(CPUDispatcher):
+    """A kernel that other kernels call. Python may call it, too, as tests do: through a kernel that is compiled for that in each process."""
+
+    def __call__(self, *arguments: Any) -> Any:
+        return _door(self)(*arguments)
+
+
+@cache
+def _door(inner: _Inner) -> Any:
+    return njit(**_OPTIONS)(lambda *arguments: inner(*arguments))
 
 
 def _compiled(function: Any, apart: bool = False, **options: Any) -> Any:
-    dispatcher = njit(**_OPTIONS, **options)(function)
+    dispatcher = njit(**_INNER, **options)(function)
     if hasattr(dispatcher, "py_func"):  # NUMBA_DISABLE_JIT leaves the function as it is
+        dispatcher.__class__ = _Inner
         dispatcher._cache = KernelCache(function)
         if apart:
             keep_apart(dispatcher)
     return dispatcher
+
+
+def entry(inner: Any) -> Any:
+    """Of a kernel that Python calls as well. What Python needs for that is compiled with it; in kernels that take many arrays it takes as long as the rest."""
+    if hasattr(inner, "py_func"):
+        inner.__class__ = CPUDispatcher
+        inner.targetoptions["no_cpython_wrapper"] = False
+    return inner
 
 
 def kernel(function: Any) -> Any:

@@ -8,7 +8,7 @@ import numpy as np
 from numba import prange
 from scipy.spatial import cKDTree
 
-from garmentcad.arrays import floats, indices, kernel, parallel_kernel
+from garmentcad.arrays import entry, floats, indices, kernel, parallel_kernel
 from garmentcad.units import M_TO_MM
 
 _CLUSTER = 4  # faces in a box
@@ -180,6 +180,7 @@ def _signed_one(x, y, z, corners, small, middle, large, normals, out):  # type: 
                     best = _closest_in(c, x, y, z, corners, normals, best, out)
 
 
+@entry
 @parallel_kernel
 def _signed(points, corners, small, middle, large, normals, out):  # type: ignore[no-untyped-def]
     for n in prange(len(points)):

@@ -15,7 +15,7 @@ import numba
 import numpy as np
 from numba import prange
 
-from garmentcad.arrays import kernel, parallel_kernel
+from garmentcad.arrays import entry, kernel, parallel_kernel
 from garmentcad.bench.cloth_on_ball import AREAL_MASS_KG_M2, BENDING_N_M, FRICTION, GAP_M, RADIUS_M, SHEAR_N_M_RAD, SIDE_M, START_M, TENSION_N_M
 from garmentcad.units import GRAVITY_M_S2
 
@@ -153,6 +153,7 @@ def _rows(rows, springs, present, positions, velocities, next_positions):  # typ
         _row(row * _STRIDE + _MARGIN, springs, present, positions, velocities, next_positions)
 
 
+@entry
 @parallel_kernel
 def explicit_steps(pairs, parts, springs, sheet):  # type: ignore[no-untyped-def]
     """Twice `pairs` steps in `parts` bands of rows; positions end where they began, in `sheet.positions`."""

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
-from garmentcad.arrays import CHUNKS, chunk_range, floats, indices, kernel, long_kernel, parallel_kernel
+from garmentcad.arrays import CHUNKS, chunk_range, entry, floats, indices, kernel, long_kernel, parallel_kernel
 from garmentcad.geometry.closest import point_triangle, row, segment_segment
 
 LEAF = 8  # elements in a leaf, at most; `near_pairs` holds as many boxes against one at a time and reads what it finds as one number of 8 bytes
@@ -61,6 +61,7 @@ def build_tree(centers: np.ndarray, leaf: int = LEAF) -> Tree:
     return Tree(indices(order), floats(np.zeros((2 << levels, 6))))
 
 
+@entry
 @kernel
 def refit(tree, nodes, positions):  # type: ignore[no-untyped-def]
     """Set the boxes of the tree from the positions (P,3) of the elements' nodes (N,3)."""
@@ -120,6 +121,7 @@ def _apart(boxes, node, low, high):  # type: ignore[no-untyped-def]
     return boxes[node, 3] < low[0] or boxes[node, 4] < low[1] or boxes[node, 5] < low[2]
 
 
+@entry
 @kernel
 def _leaf_boxes(tree, nodes, positions, out):  # type: ignore[no-untyped-def]
     """Boxes of the elements of each leaf side by side, into out (leaves x 6 x LEAF,) in single precision; empty ones where a leaf holds fewer."""
@@ -246,6 +248,7 @@ def _near_of(places, search, sides, tree, leaf_boxes, positions, rows, found):  
         found[place, 0] = hits
 
 
+@entry
 @parallel_kernel
 def _near(kind, reach, queries, items, tree, leaf_boxes, positions, rows, found):  # type: ignore[no-untyped-def]
     """For each query element of `rows` (of edges among themselves: for each slot of the tree) the items within reach, rising: found (R,1+K), first their

@@ -10,7 +10,7 @@ import math
 
 from numba import prange
 
-from garmentcad.arrays import CHUNKS, chunk_range, kernel, long_kernel, parallel_kernel
+from garmentcad.arrays import CHUNKS, chunk_range, entry, kernel, long_kernel, parallel_kernel
 from garmentcad.geometry.closest import along, cross, dot, minus, mixed, row, unit
 
 _SAMPLED = 500  # vertices from which the rigid part of a body's motion is taken, about
@@ -123,6 +123,7 @@ def _carry_of(particles, planes, faces, motion):  # type: ignore[no-untyped-def]
             ride(p, place, planes, faces, motion)
 
 
+@entry
 @parallel_kernel
 def carry(planes, faces, positions, velocities, time_step):  # type: ignore[no-untyped-def]
     """Bring all planes to where the body's faces are; positions, velocities: of all nodes, particles first."""

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from garmentcad.arrays import CHUNKS, floats, frozen, indices, kernel, long_kernel
+from garmentcad.arrays import CHUNKS, entry, floats, frozen, indices, kernel, long_kernel
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.state import State
 from garmentcad.contact.body import ELEMENT_GAP, LARGEST_GAP, BodyElements
@@ -37,6 +37,7 @@ _STEPS, _COVERED_FAST = 16.0, 0.2
 SURGE = 1.5  # fastest speed after a response, in fastest speeds before it, up to which the candidates in reach were chosen right
 
 
+@entry
 @kernel
 def farthest(positions, home):  # type: ignore[no-untyped-def]
     """The longest way from `home` to `positions`, of the rows of home (P,3), m."""
@@ -46,6 +47,7 @@ def farthest(positions, home):  # type: ignore[no-untyped-def]
     return way
 
 
+@entry
 @long_kernel
 def go_with_body(contact, leg, since, motion):  # type: ignore[no-untyped-def]
     """Set the body's velocities for the step that begins `since` s into the leg, and bring the planes to where the body is. Arguments as of `respond`."""
@@ -55,6 +57,7 @@ def go_with_body(contact, leg, since, motion):  # type: ignore[no-untyped-def]
     carry(planes, surface.faces, positions, velocities, time_step)
 
 
+@entry
 @long_kernel
 def respond(contact, motion, way, covered, fastest):  # type: ignore[no-untyped-def]
     """Correct velocities in place, so that positions + time_step * velocities keep their distances.

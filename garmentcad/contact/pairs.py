@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import get_num_threads, prange
 
-from garmentcad.arrays import CHUNKS, chunk_range, indices, inlined_kernel, kernel, long_kernel, parallel_kernel
+from garmentcad.arrays import CHUNKS, chunk_range, entry, indices, inlined_kernel, kernel, long_kernel, parallel_kernel
 from garmentcad.contact.planes import allowed
 from garmentcad.geometry.closest import CORNER, EDGE, FACE, along, cross, dot, minus, point_triangle, row, segment_segment, unit
 
@@ -309,6 +309,7 @@ def stop_collisions(count, pairs, stand, planes, fastest, motion):  # type: igno
     return part, worst, True
 
 
+@entry
 @kernel
 def fastest_of(velocities):  # type: ignore[no-untyped-def]
     """Largest speed of rows (N,3), m/s; infinite where one is not a number."""
@@ -320,6 +321,7 @@ def fastest_of(velocities):  # type: ignore[no-untyped-def]
     return math.sqrt(square)
 
 
+@entry
 @kernel
 def _measure(nodes, kind, positions, distance):  # type: ignore[no-untyped-def]
     for n in range(len(nodes)):

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from garmentcad.arrays import kernel
+from garmentcad.arrays import entry, kernel
 
 NOTHING = -1
 
@@ -16,6 +16,7 @@ def blank(height: int, width: int) -> tuple[np.ndarray, np.ndarray]:
     return np.full((height, width), -np.inf, dtype=np.float32), np.full((height, width), NOTHING, dtype=np.int32)
 
 
+@entry
 @kernel
 def draw_triangles(points, triangles, first, nearness, owner):  # type: ignore[no-untyped-def]
     """Draw triangles (F,3) over points (N,3): column, row in pixels (centers at halves) and nearness, both sides. Triangle k owns its pixels as first + k."""
@@ -42,6 +43,7 @@ def draw_triangles(points, triangles, first, nearness, owner):  # type: ignore[n
                     nearness[row, column], owner[row, column] = near, first + k
 
 
+@entry
 @kernel
 def draw_lines(points, lines, radius_px, radius_m, mine, nearness, owner):  # type: ignore[no-untyped-def]
     """Draw round rods from point to point (S,2), all owned by `mine`, over points as `draw_triangles` takes them, with nearness 1/distance [1/m]."""

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 
-from garmentcad.arrays import kernel
+from garmentcad.arrays import entry, kernel
 
 
+@entry
 @kernel
 def shade(owner, points, triangles, normals, colors, looks, lamps, flat, background, pixels):  # type: ignore[no-untyped-def]
     """Fill pixels (H,W,3) uint8; `owner` has a whole number of samples for each pixel, each way, whose mean it gets.

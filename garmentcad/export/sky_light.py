@@ -7,7 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
-from garmentcad.arrays import kernel
+from garmentcad.arrays import entry, kernel
 from garmentcad.export.raster import blank, draw_triangles
 
 DIRECTIONS = 32
@@ -55,6 +55,7 @@ def _view(direction: np.ndarray, center: np.ndarray, metre_px: float) -> np.ndar
     return np.column_stack([axes, [0.5 * MAP_PX, 0.5 * MAP_PX, 0.0] - axes @ center])
 
 
+@entry
 @kernel
 def _hold_off(points, views, maps, facing, got):  # type: ignore[no-untyped-def]
     """The light `facing` (D,N) that reaches points (N,3) past what the maps (D,H,W) show, into `got` (D,N)."""

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import brentq
 
-from garmentcad.arrays import kernel
+from garmentcad.arrays import entry, kernel
 from garmentcad.errors import FabricError
 from garmentcad.fabric.internal_friction import dragged
 
@@ -32,6 +32,7 @@ WAY = 0.1  # of em: the stick spring turns over a reversal of 0.2 em, an estimat
 _PLACES, _WEIGHTS = (tuple(map(float, column)) for column in np.polynomial.legendre.leggauss(10))
 
 
+@entry
 @kernel
 def loading(strain: float, em: float, fm: float, exponent: float, slope: float) -> tuple[float, float]:
     """F [N/m] and dF/de [N/m] at an engineering strain. `slope` is `initial_slope(em, fm, exponent)`."""
@@ -73,6 +74,7 @@ def tension_energy(strain: float, slider: float, friction: float, em: float, fm:
     return elastic * loading_energy(strain, em, fm, exponent, slope) + friction / (WAY * em) * stuck
 
 
+@entry
 @kernel
 def loading_energy(strain: float, em: float, fm: float, exponent: float, slope: float) -> float:
     """Energy per area [J/m2] that loading up to `strain` takes: the integral of `loading` from 0."""

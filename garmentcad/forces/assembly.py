@@ -9,10 +9,11 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
-from garmentcad.arrays import indices, parallel_kernel, rows_by_key
+from garmentcad.arrays import entry, indices, parallel_kernel, rows_by_key
 from garmentcad.forces.force import NO_PARTICLE, BodyForce, Force
 
 
+@entry
 @parallel_kernel
 def gather(starts, slots, corner_forces, out):  # type: ignore[no-untyped-def]
     """out[i] = sum of corner_forces[slots[starts[i]:starts[i+1]]], in that order."""

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from garmentcad.arrays import kernel
+from garmentcad.arrays import entry, kernel
 from garmentcad.forces.force import OneLaw
 
 CORNERS = 6  # of a segment: three particles at each end
@@ -51,6 +51,7 @@ def _side(band, segment, positions):  # type: ignore[no-untyped-def]
     return x, y, z, math.sqrt(x * x + y * y + z * z)
 
 
+@entry
 @kernel
 def write_bands(band, positions, out):  # type: ignore[no-untyped-def]
     """Forces on the corners of segment s into out[6 s] to out[6 s + 5]."""

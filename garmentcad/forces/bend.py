@@ -23,7 +23,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from garmentcad.arrays import compact, floats, indices, inlined_kernel, kernel, long_kernel, row_kernel
+from garmentcad.arrays import compact, entry, floats, indices, inlined_kernel, kernel, long_kernel, row_kernel
 from garmentcad.cloth.cloth import WARP, WEFT, BendLines
 from garmentcad.fabric.internal_friction import dragged
 from garmentcad.fabric.law_bending import STICK
@@ -201,6 +201,7 @@ def bend_part(part, lines, sliders, positions, out):  # type: ignore[no-untyped-
     return total
 
 
+@entry
 @kernel
 def write_bend(lines, sliders, positions, velocities, out):  # type: ignore[no-untyped-def]
     """Forces on the corners of line i into out[CORNERS i] and what follows. Returns the energy lost [J]."""

@@ -19,7 +19,7 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-from garmentcad.arrays import floats, indices, kernel, long_kernel, row_kernel, rows_by_key
+from garmentcad.arrays import entry, floats, indices, kernel, long_kernel, row_kernel, rows_by_key
 from garmentcad.cloth.cloth import WARP, WEFT, BorderTriangles, Cloth
 from garmentcad.fabric.internal_friction import dragged
 from garmentcad.fabric.law_shear import stick_stiffness
@@ -208,6 +208,7 @@ def border_part(part, parts, damping_time, sliders, positions, velocities, out):
     return total
 
 
+@entry
 @kernel
 def write_border(parts, damping_time, sliders, positions, velocities, out):  # type: ignore[no-untyped-def]
     """Forces on the corners of triangle i into out[3 i] to out[3 i + 2]. Returns the energy lost [J]."""

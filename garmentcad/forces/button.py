@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from garmentcad.arrays import floats, kernel
+from garmentcad.arrays import entry, floats, kernel
 from garmentcad.forces.force import OneLaw
 from garmentcad.geometry.closest import along, cross, dot, minus, row
 
@@ -77,6 +77,7 @@ def _held(shanks, button, positions, velocities):  # type: ignore[no-untyped-def
     return r, up, size, dot(r, drift) / max(size, _LEAST_M)
 
 
+@entry
 @kernel
 def measure_shanks(shanks, positions, velocities, out):  # type: ignore[no-untyped-def]
     """|r| [m] and its rate [m/s] of each button into the rows of out (B,2)."""
@@ -84,6 +85,7 @@ def measure_shanks(shanks, positions, velocities, out):  # type: ignore[no-untyp
         _, _, out[button, 0], out[button, 1] = _held(shanks, button, positions, velocities)
 
 
+@entry
 @kernel
 def write_shanks(shanks, positions, velocities, out):  # type: ignore[no-untyped-def]
     """Forces on the corners of button b into out[6 b] to out[6 b + 5]; those on the three below come first."""

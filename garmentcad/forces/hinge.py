@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from garmentcad.arrays import indices, kernel, long_kernel, row_kernel
+from garmentcad.arrays import entry, indices, kernel, long_kernel, row_kernel
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.fabric.internal_friction import dragged
 from garmentcad.fabric.law_bending import STICK
@@ -98,6 +98,7 @@ def hinge_part(part, hinges, sliders, positions, out):  # type: ignore[no-untype
     return total
 
 
+@entry
 @kernel
 def write_hinge(hinges, sliders, positions, velocities, out):  # type: ignore[no-untyped-def]
     """Forces on edge start, edge end, wing a, wing b of hinge i into out[4 i] to out[4 i + 3]. Returns the energy lost [J]."""

@@ -8,7 +8,7 @@ from typing import Any
 import numba
 import numpy as np
 
-from garmentcad.arrays import indices, kernel, long_kernel, row_kernel
+from garmentcad.arrays import entry, indices, kernel, long_kernel, row_kernel
 from garmentcad.cloth.cloth import WEFT, BendLines, Cells, Cloth, Links
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.arcs import cell_neighbours, gather_corners
@@ -146,6 +146,7 @@ def lattice_block(k, blocks, fabric, setting, positions, velocities, rooms, out)
     return _total(first - origin, size, lost)
 
 
+@entry
 @kernel
 def write_lattice(blocks, coefficients, setting, rooms, sliders, positions, velocities, out):  # type: ignore[no-untyped-def]
     """Force on the particle of each slot into out (S,3); setting: h [m], damping time [s]; rooms (threads,41,R): scratch of each thread. Returns the energy

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from garmentcad.arrays import compact, floats, indices, kernel
+from garmentcad.arrays import compact, entry, floats, indices, kernel
 from garmentcad.cloth.cloth import WARP, Cells
 from garmentcad.fabric.law_shear import HIGH, LOW, shear_energy, stick_coefficients
 from garmentcad.fabric.material import MaterialTable
@@ -73,6 +73,7 @@ def shear_curves(materials: MaterialTable, rows: np.ndarray) -> ShearCurves:
     return ShearCurves(np.array(materials.shear[rows]), low, rise, np.where(low + rise > 0.0, materials.shear_way[rows], 0.0))
 
 
+@entry
 @kernel
 def evaluate_energy(curves, angles, sliders, energy):  # type: ignore[no-untyped-def]
     for i in range(len(angles)):

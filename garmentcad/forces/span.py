@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from garmentcad.arrays import indices, kernel, long_kernel
+from garmentcad.arrays import entry, indices, kernel, long_kernel
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.fabric.material import MaterialTable, bending_along
 from garmentcad.forces.force import OneLaw
@@ -54,6 +54,7 @@ def span_part(part, spans, positions, out):  # type: ignore[no-untyped-def]
             out[4 * i, axis], out[4 * i + 1, axis], out[4 * i + 2, axis], out[4 * i + 3, axis] = ca * pull, cb * pull + turn, cc * pull - turn, cd * pull
 
 
+@entry
 @kernel
 def write_span(spans, positions, velocities, out):  # type: ignore[no-untyped-def]
     """Forces on the corners of span i into out[4 i] to out[4 i + 3]."""

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from garmentcad.arrays import floats, kernel
+from garmentcad.arrays import entry, floats, kernel
 from garmentcad.fabric.law_tension import WAY, loading, tension_energy
 from garmentcad.fabric.material import MaterialTable
 
@@ -26,6 +26,7 @@ def tension_curves(materials: MaterialTable) -> TensionCurves:
     return TensionCurves(*(np.array(getattr(materials, name), dtype=np.float64).ravel() for name in names))
 
 
+@entry
 @kernel
 def evaluate_loading(curves, rows, strain, force, tangent):  # type: ignore[no-untyped-def]
     for i in range(len(rows)):
@@ -33,6 +34,7 @@ def evaluate_loading(curves, rows, strain, force, tangent):  # type: ignore[no-u
         force[i], tangent[i] = loading(strain[i], curves.em[r], curves.fm[r], curves.exponent[r], curves.slope[r])
 
 
+@entry
 @kernel
 def evaluate_energy(curves, rows, strain, sliders, energy):  # type: ignore[no-untyped-def]
     for i in range(len(rows)):

@@ -12,7 +12,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from garmentcad.arrays import floats, indices, kernel
+from garmentcad.arrays import entry, floats, indices, kernel
 from garmentcad.geometry.closest import cross, dot, minus, row
 
 _NO, _DOUBT, _YES = 0, 1, 2  # the greatest of the verdicts on its edges is that on a pair
@@ -58,6 +58,7 @@ def _crossing(positions: np.ndarray, triangles: np.ndarray, first: int) -> np.nd
     return found[np.lexsort((found[:, 1], found[:, 0]))]
 
 
+@entry
 @kernel
 def _sweep(order, boxes, axis, first, pairs):  # type: ignore[no-untyped-def]
     """Pairs whose boxes overlap; returns their number and stores as many as fit."""
@@ -151,6 +152,7 @@ def _pair_verdict(points, one, other):  # type: ignore[no-untyped-def]
     return verdict
 
 
+@entry
 @kernel
 def _judge(pairs, points, triangles, verdict):  # type: ignore[no-untyped-def]
     for k in range(len(pairs)):

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import cKDTree
 
-from garmentcad.arrays import floats, indices, kernel
+from garmentcad.arrays import entry, floats, indices, kernel
 from garmentcad.errors import MannequinError
 from garmentcad.geometry.closest import point_triangle, row
 from garmentcad.geometry.intersection import crossing_triangle_pairs
@@ -87,6 +87,7 @@ def _distance(vertices: np.ndarray, one: np.ndarray, other: np.ndarray) -> float
     return float(min(out.min(), _FAR))
 
 
+@entry
 @kernel
 def _distances(vertices, rows, faces, out):  # type: ignore[no-untyped-def]
     """Distance of each of the vertices `rows` from the nearest of the faces."""

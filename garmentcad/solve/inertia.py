@@ -16,13 +16,14 @@ import math
 
 import numpy as np
 
-from garmentcad.arrays import kernel
+from garmentcad.arrays import entry, kernel
 
 # Found by trial: on a settling skirt and on W1, at 10 mm, the highest frequency stays within 0.2 % up to here, and rises by 3 % (W1) with 0.7 for 0.5.
 REACH = 0.5
 MOST_LIGHTER = 64.0
 
 
+@entry
 @kernel
 def slopes(triangles, positions, normals, steepest):  # type: ignore[no-untyped-def]
     """Write unit normals (P,3) of the particles at positions (P,3) m, means over their triangles (T,3) by area, and the largest sine (P,) of the slope against

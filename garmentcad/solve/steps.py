@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
-from garmentcad.arrays import CHUNKS, chunk_range, kernel, parallel_kernel
+from garmentcad.arrays import CHUNKS, chunk_range, entry, kernel, parallel_kernel
 from garmentcad.constraints.points import apply_bonds
 from garmentcad.contact.contact import farthest, go_with_body, respond
 from garmentcad.contact.pairs import BY_BODY, fastest_of, mark_pressed
@@ -128,6 +128,7 @@ def _move(count, step, velocities, masses, positions, out):  # type: ignore[no-u
         out[chunk, 0] = _twice_energy_of(mine, velocities, masses)
 
 
+@entry
 @kernel
 def run_steps(order, controls, laws, sums, bonds, limit, contact, clock):  # type: ignore[no-untyped-def]
     """Up to a number of steps. order: steps, whether the first begins at its contact part, whether it stops short of moving positions.
