@@ -46,8 +46,8 @@ def spec_errors(fault: ValidationError, file: str | None) -> list[SpecError]:
         elif kind in ("model_type", "model_attributes_type", "dict_type"):
             message = f"a mapping is wanted, came {shown(error['input'])}"
         elif kind in ("too_short", "too_long"):
-            bound, least = ("at least", context["min_length"]) if kind == "too_short" else ("at most", context["max_length"])
-            message = f"{bound} {least} {'entry is' if least == 1 else 'entries are'} wanted, came {len(error['input'])}: {shown(error['input'])}"
+            bound, number = ("at least", context["min_length"]) if kind == "too_short" else ("at most", context["max_length"])
+            message = f"{bound} {number} {'entry is' if number == 1 else 'entries are'} wanted, came {len(error['input'])}: {shown(error['input'])}"
         elif kind not in ("one_of", "arc"):
             message = f"{message[:1].lower()}{message[1:]}, came {shown(error['input'])}"
         found.append(SpecError(message, file=file, key=".".join(path) or None))
