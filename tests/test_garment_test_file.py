@@ -82,7 +82,7 @@ FAULTS: list[tuple[Callable[[dict[str, Any]], Any], str, str]] = [
     (lambda d: d.update(grid_mm="fine"), "grid_mm", "a finite number is wanted, came 'fine'"),
     (lambda d: d["report"].update({"ease_mm.waist": [25, 15]}), "report.ease_mm.waist", "lowest, highest"),
     (lambda d: d["report"].update({"ease_mm.waist": [None, None]}), "report.ease_mm.waist", "one of which may be null"),
-    (lambda d: d["report"].update({"ease_mm.waist": [1, 2, 3]}), "report.ease_mm.waist", "at most 2 items"),
+    (lambda d: d["report"].update({"ease_mm.waist": [1, 2, 3]}), "report.ease_mm.waist", "at most 2 entries are wanted, came 3"),
     (lambda d: d["report"].update({"ease_mm.waist": ["1", 2]}), "report.ease_mm.waist.0", "came '1'"),
     (lambda d: d["report"].update({"hem_height_mm": {"value": 612, "tolerance": 5}}), "report.hem_height_mm.tolerance", "Allowed: tol, value"),
     (lambda d: d["report"].update({"hem_height_mm": {"value": 612, "tol": -5}}), "report.hem_height_mm.tol", "came -5"),

@@ -8,8 +8,9 @@ from pathlib import Path
 from garmentcad.arrays import kernel, long_kernel
 
 CALLEE = """
-from garmentcad.arrays import kernel, long_kernel
+from garmentcad.arrays import entry, kernel, long_kernel
 
+@entry
 @kernel
 def other(x):
     return x - 1.0
@@ -20,12 +21,13 @@ def twice(x):
 """
 CALLER = """
 from callee import twice
-from garmentcad.arrays import kernel
+from garmentcad.arrays import entry, kernel
 
 @kernel
 def between(x):
     return twice(x) + 1.0
 
+@entry
 @kernel
 def above(x):
     return between(x) + 10.0
