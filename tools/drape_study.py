@@ -235,9 +235,8 @@ def _nodes(parts: Mapping[str, Mapping[str, list[Row]]]) -> list[str]:
         "## Nodes over stiffness", "",
         f"Synthetic sheets of {SYNTHETIC_W:g} mg/cm2 of rising B whose G goes as B^(2/3); the rest by the rules. Cloth that hangs bends within about "
         f"c = (B/W)^(1/3). Where that is shorter than a spacing of {GRID_MM:g} mm, that lattice is too coarse for the folds, and {FINE_MM:g} mm count.", "",
-        *_table("sheet", "c mm", *(f"{grid_mm:g} mm: DC (SD) | nodes (SD) | lowest mm" for grid_mm in (FINE_MM, GRID_MM))),
+        *_table("sheet", "c mm", *(f"{grid_mm:g} mm: {figure}" for grid_mm in (FINE_MM, GRID_MM) for figure in ("DC (SD)", "nodes (SD)", "lowest mm"))),
     ]  # fmt: skip
-    lines[-1] = "|" + "---|" * 8
     for name, rows in parts["nodes"].items():
         fine = parts.get("nodes-fine", {}).get(name)
         cells = [
