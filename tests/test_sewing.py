@@ -20,6 +20,7 @@ from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.internal import internal_forces
 from garmentcad.io.mannequin_file import read_mannequin
 from garmentcad.pattern.pattern import EdgeUse, Seam
+from garmentcad.simulation import sewing
 from garmentcad.simulation.course import CLOSED_M, Progress
 from garmentcad.simulation.sewing import Welding, close_seams, closing_leniency, first_orders, row_orders, weld_state
 from garmentcad.simulation.start import refuse_tangled
@@ -153,6 +154,19 @@ def test_seams_of_a_higher_order_wait_until_those_before_them_are_closed() -> No
     assert late[waiting][-1] > 0.01, "the second seam opens wider while the first one pulls its panel away"
     assert early[waiting][-1] < 1e-4
     assert early[~waiting].max() < 2e-4
+
+
+@pytest.mark.parametrize(("all_or_none", "turns"), [(False, {1.0, 2.0}), (True, {1.0})])
+def test_after_a_seam_that_stays_open_the_next_turn_comes_unless_all_must_close(
+    monkeypatch: pytest.MonkeyPatch, all_or_none: bool, turns: set[float]
+) -> None:
+    """With next to no pull none close."""
+    monkeypatch.setattr(sewing, "CLOSING_CAP_S", 0.1)
+    dynamics, state = three_squares()
+    seen: set[float] = set()
+    welding = close_seams(dynamics, state, NO_HARDWARE, lambda progress: seen.add(state.run["sewing_order"]), 1e-9, all_or_none=all_or_none)
+    assert seen == turns
+    assert "seam 'early' did not close" in welding.open_seams[-1]
 
 
 def test_a_panel_that_waits_for_its_seam_is_not_knocked_about() -> None:

@@ -62,6 +62,10 @@ FEWEST_CELLS = 20.0
 # trousers to 0.05 mm, and not within 25.
 CARD_BENDING = 30.0
 UNREFINED = "unrefined"  # in State.run: the garment was sewn on the lattice of the job
+# Cloth may be caught between seams that close around it: the tip of one leg of trousers lay under that of the other and held both inseams 4 mm open, in one
+# start of five that differ by JITTER_M. What does not close is placed anew, with another jitter, so many times in all: then it is a matter of the pattern.
+SEWINGS = 2
+_SEWING = "sewing"  # in State.run: which of them it is, from 0
 
 
 class Interrupted(GarmentError):
@@ -145,6 +149,7 @@ class _Run:
         self.seconds: dict[str, float] = {}
         self.warnings: list[str] = []
         self.setup = 0.0
+        self._placed: np.ndarray | None = None
 
     def drape(self, grids: tuple[float, ...]) -> Outcome:
         """Sew on the first grid, then settle on each; the outcome is that of the last one."""
@@ -203,18 +208,27 @@ class _Run:
         """Close and weld the seams that are open at the start; an outcome only where that failed."""
         dynamics, _ = make_dynamics(self.job, start, self._for_sewing(), laid_angles(self.job), dressing=True)
         if self.state is None:
-            self.state = _placed_state(self.job, flat, start, self._worn(flat), self.warnings)
-            if flat.spacing == MM_TO_M * self.job.grid_mm:
-                self.state.run[UNREFINED] = 1.0
+            self.state = self._placed_state(flat, start, 0)
+        if not self.state.contact:
             dynamics.start(self.state)
         self._begin()
+        sewing = int(self.state.run.get(_SEWING, 0.0)) + 1
+        pull = CLOSING_OVER_N_M if len(self.job.worn) > 1 else CLOSING_PULL_N_M
+        failed: DivergedError | IntersectingError | None = None
+        welding = Welding()
         try:
-            pull = CLOSING_OVER_N_M if len(self.job.worn) > 1 else CLOSING_PULL_N_M
-            welding = close_seams(dynamics, self.state, self._hardware(start), self.keep, pull, self.job.max_time_s)
+            welding = close_seams(dynamics, self.state, self._hardware(start), self.keep, pull, self.job.max_time_s, sewing < SEWINGS)
         except (DivergedError, IntersectingError) as error:
-            self.warnings.append(str(error))
-            return self._outcome(flat, start, dynamics, error.status)
-        if welding.open_seams and self.state.time_s >= self.job.max_time_s:
+            failed = error
+        out_of_time = self.state.time_s >= self.job.max_time_s
+        if (failed is not None or welding.open_seams) and sewing < SEWINGS and not out_of_time:
+            self._add_up(dynamics.seconds)
+            self.state = self._placed_state(flat, start, sewing)
+            return self._sew(flat, start, welded, particle_map)
+        if failed is not None:
+            self.warnings.append(str(failed))
+            return self._outcome(flat, start, dynamics, failed.status)
+        if welding.open_seams and out_of_time:
             self.state.run |= welding.as_run()
             return self._outcome(flat, start, dynamics, "max_time")
         self._add_up(dynamics.seconds)
@@ -223,6 +237,19 @@ class _Run:
         self.state.run |= {"phase_from_s": self.state.time_s} | welding.as_run()
         self.keep.state = None  # until the next phase begins: the state before need not take memory while the next stepper is made
         return None
+
+    def _placed_state(self, flat: Cloth, start: Cloth, sewing: int) -> State:
+        """The panels of `flat` where they begin, for `start`, the same cloth with what is worn already sewn."""
+        if self._placed is None:
+            self._placed = _placed(self.job, flat, start, self._worn(flat), self.warnings)
+        jitter = np.random.default_rng([self.job.seed, sewing]).standard_normal(self._placed.shape)
+        positions = self._placed + JITTER_M * jitter
+        state = State(positions, np.zeros_like(positions), phase="close", fold_angles=np.zeros(len(flat.fold_names)))
+        if sewing > 0:
+            state.run[_SEWING] = float(sewing)
+        if flat.spacing == MM_TO_M * self.job.grid_mm:
+            state.run[UNREFINED] = 1.0
+        return state
 
     def _worn(self, flat: Cloth) -> dict[str, np.ndarray]:
         """Where what is worn under the outermost garment of an outfit hangs: panel -> (V,3) m of its vertices. It is draped first, on this lattice."""
@@ -273,6 +300,8 @@ class _Run:
         self.warnings += [redundance_message(found) for found in redundances(self._hardware(cloth), cloth, self.job.mannequin)]
         for name, share in panels_at_limit(cloth, self.state.positions, dynamics.limit).items():
             self.warnings.append(f"panel '{name}' is too tight: {100.0 * share:.0f} % of its links are stretched to the limit of the fabric (1.5 Fm)")
+        if _SEWING in self.state.run:
+            self.warnings.append("seams did not close the first time: the panels were placed once more, a hundredth of a millimetre aside")
         factor = self.state.run.get("step_factor", 1.0)
         if factor < 1.0:
             self.warnings.append(f"motion ran away at the time step that the stiffness allows; the run went back and on with {factor:g} of it")
@@ -330,8 +359,8 @@ def make_dynamics(
     return Dynamics(cloth, forces, strain_limit(cloth, materials), contact), soften_all
 
 
-def _placed_state(job: Job, cloth: Cloth, start: Cloth, worn: dict[str, np.ndarray], warnings: list[str]) -> State:
-    """The panels of `cloth` where they begin, for `start`, the same cloth with what is `worn` already (panel -> (V,3) m of its vertices) sewn."""
+def _placed(job: Job, cloth: Cloth, start: Cloth, worn: dict[str, np.ndarray], warnings: list[str]) -> np.ndarray:
+    """Where the particles (P,3) m of `start` begin: the panels of `cloth` placed, with what is `worn` already (panel -> (V,3) m of its vertices) sewn."""
     positions = _with_worn(place_vertices(job.pattern, cloth, job.mannequin), cloth, worn)
     if worn:
         pattern = around_worn(job.pattern, cloth, positions, job.mannequin, worn)
@@ -342,8 +371,7 @@ def _placed_state(job: Job, cloth: Cloth, start: Cloth, worn: dict[str, np.ndarr
     placed = np.empty((start.particle_count, 3))
     placed[start.vertex_particle] = positions
     refuse_tangled(start, placed, job.mannequin)
-    positions = placed + JITTER_M * np.random.default_rng(job.seed).standard_normal(placed.shape)
-    return State(positions, np.zeros_like(positions), phase="close", fold_angles=np.zeros(len(cloth.fold_names)))
+    return placed
 
 
 def _with_worn(positions: np.ndarray, cloth: Cloth, worn: dict[str, np.ndarray]) -> np.ndarray:

@@ -78,11 +78,12 @@ def close_seams(
     look: Callable[[Progress], None],
     pull_n_m: float = CLOSING_PULL_N_M,
     until_s: float = math.inf,
+    all_or_none: bool = False,
 ) -> Welding:
     """Pull the stitches of `dynamics.cloth` (without gravity), and what pins and buttons hold, together until every gap is closed or the cap is reached:
     first those of the lowest order, which then hold while the next ones close. A panel whose first seam has not come yet is held where it was placed, and with
     it the pins and buttons on it: what closes before would knock it about. pull_n_m: largest force of a stitch, per length of seam. until_s: simulated time at
-    which it ends in any case."""
+    which it ends in any case. all_or_none: it ends with the first order of which a seam stays open."""
     cloth = dynamics.cloth
     turns = first_orders(cloth)
     order, held = cloth.seam_order[cloth.stitch_seam], row_orders(hardware, turns)
@@ -98,6 +99,8 @@ def close_seams(
             a, b = (state.positions[cloth.stitches[order > now, side]] for side in (0, 1))
             names = [cloth.seam_names[k] for k in cloth.stitch_seam[order > now]]
             return replace(welding, gap_mm={**welding.gap_mm, **_worst_mm(names, np.linalg.norm(a - b, axis=1))})
+        if all_or_none and welding.open_seams:
+            return welding
     return welding
 
 
