@@ -1,4 +1,5 @@
-"""The course of a drape: a run that diverges goes back to its last whole state and on with a smaller step, or is given up with the place."""
+"""The course of a drape: a run that diverges goes back to its last whole state and on with a smaller step, or is given up with the place; cloth that rings
+through a watch settles with the masses that it is watched with."""
 
 from __future__ import annotations
 
@@ -12,8 +13,10 @@ from garmentcad.contact.contact import Contact
 from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
-from garmentcad.simulation.course import SMALLEST_STEP_FACTOR, Course
+from garmentcad.simulation import course as course_module
+from garmentcad.simulation.course import SMALLEST_STEP_FACTOR, Course, Progress
 from garmentcad.solve.dynamics import DivergedError, Dynamics
+from garmentcad.solve.rest import Residual, patches
 from garmentcad.solve.strain_limit import strain_limit
 
 MATERIALS = linear_fabric()
@@ -30,7 +33,7 @@ class Underestimated(ForceAssembly):
         out /= self.share
 
 
-def course(share: float, max_time_s: float) -> tuple[Course, State]:
+def course(share: float, max_time_s: float, mode: str = "dynamics") -> tuple[Course, State]:
     forces = Underestimated(internal_forces(CLOTH, MATERIALS), CLOTH.particle_count, [ForceGravity(CLOTH.masses)])
     forces.share = share
     positions = hanging(CLOTH)
@@ -38,7 +41,7 @@ def course(share: float, max_time_s: float) -> tuple[Course, State]:
     start = positions + 1e-5 * np.random.default_rng(0).standard_normal(positions.shape)
     state = State(start, np.zeros_like(start), phase="fall", run={"phase_from_s": 0.0})
     dynamics.start(state)
-    return Course(dynamics, lambda softness: None, "dynamics", max_time_s), state
+    return Course(dynamics, lambda softness: None, mode, max_time_s), state
 
 
 def test_a_step_that_is_too_large_is_found_and_halved_until_it_holds() -> None:
@@ -62,3 +65,22 @@ def test_what_smaller_steps_do_not_help_is_given_up_with_its_place() -> None:
     with pytest.raises(DivergedError, match=r"panel 'rectangle' at \(\d+, \d+\) mm reached .* phase fall"):
         made.run(state, lambda progress: None)
     assert state.run["step_factor"] == SMALLEST_STEP_FACTOR
+
+
+@pytest.mark.parametrize(("thirds_m_s", "fictitious"), [((1.0, 0.5), False), ((0.001, 0.5), True)])
+def test_what_rings_through_a_watch_settles_with_true_masses(monkeypatch: pytest.MonkeyPatch, thirds_m_s: tuple[float, float], fictitious: bool) -> None:
+    """Speeds of the second and of the last third: what grows is a slow snap, which goes on under fictitious masses; what does not was set off by them."""
+    monkeypatch.setattr(course_module, "residual", lambda *_: Residual(1.0, 1.0, np.ones(patches(CLOTH).max() + 1)))
+    made, state = course(1.0, 2.0, "drape")
+    state.phase, state.time_s = "watch", 1.0
+    state.run = {"phase_from_s": 0.0, "watch_from_s": 0.0, "watch_rms_1": thirds_m_s[0], "watch_rms_2": thirds_m_s[1]}
+    seen: list[tuple[str, bool]] = []
+
+    def look(progress: Progress) -> None:
+        seen.append((progress.phase, made.dynamics.equalise))
+        if len(seen) == 2:
+            raise StopIteration
+
+    with pytest.raises(StopIteration):
+        made.run(state, look)
+    assert seen == [("settle", False), ("settle", fictitious)]

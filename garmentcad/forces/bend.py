@@ -19,6 +19,7 @@ Source: KES-FB2, pure bending; Euler elastica in discrete form.
 from __future__ import annotations
 
 import math
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -243,7 +244,7 @@ class ForceBend(OneLaw):
         corners[:, 2:5:2][self._weights == 0.0] = NO_PARTICLE
         return corners.ravel()
 
-    @property
+    @cached_property
     def arguments(self) -> tuple[BendElements]:
         """What `write_bend` takes before sliders, positions, velocities and out."""
         shortest = np.vstack([SHORTEST * self._rest.T, LEAST_NORMAL * self._arm**2])

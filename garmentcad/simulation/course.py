@@ -69,6 +69,7 @@ WATCH_S = 0.3
 STILL_M_S = 1e-3
 _SLIPS = "slips"  # in State.run: whether cloth slips while tension comes back
 _CALM = "calm"  # in State.run: whether the residual has been below CALM_G
+_RANG = "rang"  # in State.run: whether a watch ended with a residual above its bar, though nothing grew
 SMALLEST_STEP_FACTOR = 1.0 / 8.0  # of the time step that the stiffness allows, to which a run that diverges is taken back before it is given up
 
 
@@ -148,7 +149,7 @@ class Course:
         dynamics = self.dynamics
         dynamics.steady = state.phase != "fall"
         # The shares of contact and of a pin or button that it holds against depend on inertia: what is to be at rest with true masses settles with them.
-        held = dynamics.constraint is not None or self._buttoned
+        held = dynamics.constraint is not None or self._buttoned or _RANG in state.run
         dynamics.equalise = self.mode == "drape" and (state.phase == "fall" or (state.phase == "settle" and not held))
         dynamics.lighten = state.phase == "settle" and _CALM in state.run
         dynamics.speed_cap_m_s = SPEED_CAP_M_S if self.mode == "drape" else math.inf
@@ -198,6 +199,8 @@ class Course:
         elif state.phase == "watch" and state.time_s - state.run["watch_from_s"] >= WATCH_S:
             left = self.last = residual(self.dynamics, state, self._patch)
             grew = state.run["watch_rms_2"] > max(STILL_M_S, state.run.get("watch_rms_1", 0.0))
+            if not left.at_rest and not grew:
+                state.run[_RANG] = 1.0
             self._enter(state, "rest" if left.at_rest and not grew else "settle")
         look(Progress(state.phase, state.step, state.time_s, None, None if left is None else left.rms_g, rms, self._eta(state, left)))
 
