@@ -16,8 +16,10 @@ demo: $(VENV)/.installed
 
 test: $(VENV)/.installed
 	$(BIN)/ruff check garmentcad tests tools bench
-	$(BIN)/mypy garmentcad
-	$(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder
+	@# types are checked beside the tests: both are looked at, whatever the other says
+	$(BIN)/mypy garmentcad & types=$$!; \
+	$(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder; tests=$$?; \
+	wait $$types && exit $$tests
 
 lint: $(VENV)/.installed
 	$(BIN)/ruff check garmentcad tests tools bench

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 from copy import deepcopy
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
+from command import printed_on_threads
 from loose_sheet import Sheet, correct, crosses, fabric, reserve
 
 from garmentcad.arrays import indices
@@ -250,10 +247,6 @@ print(len(fallen.contact["pair_nodes"]))
 
 
 def test_same_bits_on_one_two_and_four_threads() -> None:
-    here = Path(__file__).resolve().parent
-    printed = set()
-    for threads in (1, 2, 4):
-        environment = os.environ | {"NUMBA_NUM_THREADS": str(threads), "PYTHONPATH": os.pathsep.join([str(here), str(here.parent)])}
-        printed.add(subprocess.run([sys.executable, "-c", SCRIPT], env=environment, capture_output=True, text=True, check=True).stdout)
+    printed = set(printed_on_threads(SCRIPT))
     assert len(printed) == 1
     assert int(printed.pop().split()[-1]) > 100

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -13,6 +10,7 @@ import igl
 import numpy as np
 import pytest
 import trimesh
+from command import printed_on_threads
 from loose_sheet import least_distance
 from test_dynamics import linear_fabric
 
@@ -238,12 +236,9 @@ print(state.sha256(), state.work_j["friction"].hex())
 
 
 def test_same_bits_on_one_and_two_threads() -> None:
-    here = Path(__file__).resolve().parent
-    printed = set()
-    for threads in (1, 2):
-        environment = os.environ | {"NUMBA_NUM_THREADS": str(threads), "PYTHONPATH": os.pathsep.join([str(here), str(here.parent)])}
-        printed.add(subprocess.run([sys.executable, "-c", SCRIPT], env=environment, capture_output=True, text=True, check=True).stdout)
-    assert len(printed) == 1
+    one, two = printed_on_threads(SCRIPT, (1, 2))
+    assert len(one) > 60
+    assert one == two
 
 
 def test_path_goes_through_its_frames_with_constant_acceleration_and_stands_outside() -> None:

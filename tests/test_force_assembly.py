@@ -2,15 +2,9 @@
 
 from __future__ import annotations
 
-import hashlib
-import os
-import subprocess
-import sys
-from pathlib import Path
-
-import numba
 import numpy as np
 import pytest
+from command import printed_on_threads
 from force_checks import particle_forces
 from small_cloth import KINDS, deformed, materials, small_cloth
 
@@ -64,18 +58,8 @@ def test_no_forces_at_all() -> None:
     assert not out.any()
 
 
-def print_hash() -> None:
-    """Hash of all forces on every kind of state, with the number of threads in the environment."""
-    numba.set_num_threads(int(os.environ["NUMBA_NUM_THREADS"]))
-    print(hashlib.sha256(b"".join(total(kind).tobytes() for kind in KINDS)).hexdigest())
-
-
 def test_same_bits_for_1_2_and_4_threads() -> None:
-    folder = Path(__file__).resolve().parent
-    hashes = []
-    for threads in ("1", "2", "4"):
-        environment = os.environ | {"NUMBA_NUM_THREADS": threads, "PYTHONPATH": os.pathsep.join([str(folder), str(folder.parent)])}
-        code = f"import numba, test_force_assembly as t; t.print_hash(); assert numba.get_num_threads() == {threads}"
-        hashes.append(subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True).stdout)
-    assert len(hashes[0]) > 60
-    assert len(set(hashes)) == 1
+    """Of all forces on every kind of state."""
+    printed = printed_on_threads("import test_force_assembly as t; print([t.total(kind).tobytes().hex() for kind in t.KINDS])")
+    assert len(printed[0]) > 60
+    assert len(set(printed)) == 1

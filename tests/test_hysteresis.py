@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-import os
-import subprocess
-import sys
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
+from command import printed_on_threads
 from elastic import linear
 
 from garmentcad.arrays import floats
@@ -247,11 +245,6 @@ def test_resumed_in_the_same_bits(tmp_path: Path) -> None:
 
 
 def test_same_bits_for_1_2_and_4_threads() -> None:
-    folder = Path(__file__).resolve().parent
-    hashes = []
-    for threads in ("1", "2", "4"):
-        environment = os.environ | {"NUMBA_NUM_THREADS": threads, "PYTHONPATH": os.pathsep.join([str(folder), str(folder.parent)])}
-        code = "import test_hysteresis as t; s = t.falling(300); print(s.sha256(), s.work_j)"
-        hashes.append(subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True).stdout)
-    assert len(hashes[0]) > 60
-    assert len(set(hashes)) == 1
+    printed = printed_on_threads("import test_hysteresis as t; s = t.falling(300); print(s.sha256(), s.work_j)")
+    assert len(printed[0]) > 60
+    assert len(set(printed)) == 1

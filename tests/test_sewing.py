@@ -157,9 +157,7 @@ def test_seams_of_a_higher_order_wait_until_those_before_them_are_closed() -> No
 
 
 @pytest.mark.parametrize(("all_or_none", "turns"), [(False, {1.0, 2.0}), (True, {1.0})])
-def test_after_a_seam_that_stays_open_the_next_turn_comes_unless_all_must_close(
-    monkeypatch: pytest.MonkeyPatch, all_or_none: bool, turns: set[float]
-) -> None:
+def test_after_a_seam_that_stays_open_the_next_turn_comes_unless_all_must_close(monkeypatch: pytest.MonkeyPatch, all_or_none: bool, turns: set[float]) -> None:
     """With next to no pull none close."""
     monkeypatch.setattr(sewing, "CLOSING_CAP_S", 0.1)
     dynamics, state = three_squares()

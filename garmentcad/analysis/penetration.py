@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 
 import numpy as np
 from numba import prange
@@ -30,16 +31,22 @@ def distances_and_normals(points: np.ndarray, vertices: np.ndarray, faces: np.nd
 
     The sign comes from the pseudo-normal of the closest feature (Baerentzen and Aanaes 2005). A point on the surface has the normal of a face there.
     """
-    points, vertices, faces = floats(points), floats(vertices), indices(faces)
-    corners = vertices[faces]
+    points = floats(points)
+    out = np.empty((len(points), 4))
+    _signed(points, *_surface(floats(vertices).tobytes(), indices(faces).tobytes()), out)
+    return out[:, 0].copy(), out[:, 1:].copy()
+
+
+@lru_cache(maxsize=2)  # one body is asked many times: the doctor and the report do so at every step of theirs
+def _surface(vertices: bytes, faces: bytes) -> tuple[np.ndarray, ...]:
+    """What `_signed` takes of a surface of vertices (V,3) and faces (F,3): corners of its faces in clusters, boxes around them, pseudo-normals."""
+    points, triangles = np.frombuffer(vertices).reshape(-1, 3), np.frombuffer(faces, dtype=np.int32).reshape(-1, 3)
+    corners = points[triangles]
     order = cKDTree(corners.mean(axis=1), leafsize=_CLUSTER).indices
     sorted_corners = floats(corners[order])
     small = _boxes_around(np.concatenate([sorted_corners.min(axis=1), sorted_corners.max(axis=1)], axis=1), _CLUSTER)
     middle = _boxes_around(small, _FAN)
-    large = _boxes_around(middle, _FAN)
-    out = np.empty((len(points), 4))
-    _signed(points, sorted_corners, small, middle, large, floats(_pseudo_normals(vertices, faces)[order]), out)
-    return out[:, 0].copy(), out[:, 1:].copy()
+    return sorted_corners, small, middle, _boxes_around(middle, _FAN), floats(_pseudo_normals(points, triangles)[order])
 
 
 def penetration_mm(
