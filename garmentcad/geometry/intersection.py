@@ -1,14 +1,13 @@
 """Which triangles cross: an exact judge, independent of the solver's contact.
 
-Two triangles cross where an edge of one meets the other. Signs come from floating point where its error bound leaves no doubt, else from rational
-arithmetic, so a verdict is never a matter of rounding. Touching counts as crossing, except between triangles that share a vertex: there only an edge
+Two triangles cross where an edge of one meets the other. Signs come from floating point where its error bound leaves no doubt, else from whole
+numbers, so a verdict is never a matter of rounding. Touching counts as crossing, except between triangles that share a vertex: there only an edge
 that passes through the inside of the other triangle counts.
 """
 
 from __future__ import annotations
 
 import math
-from fractions import Fraction
 
 import numpy as np
 
@@ -19,7 +18,7 @@ _NO, _DOUBT, _YES = 0, 1, 2  # the greatest of the verdicts on its edges is that
 _DET_ERROR = 1e-14  # of the sum of the absolute terms of a 3 x 3 determinant of differences (a dozen roundings of 1.1e-16 each)
 _AXIS_ERROR = 1e-14  # of length times length, for the projection of a difference on an axis
 _USUAL_PAIRS = 16  # of overlapping boxes, for each triangle: room for these is there from the start
-Point = tuple[Fraction, Fraction, Fraction]
+Point = tuple[int, int, int]
 
 
 def crossing_triangle_pairs(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
@@ -160,11 +159,13 @@ def _judge(pairs, points, triangles, verdict):  # type: ignore[no-untyped-def]
 
 
 def _cross_exactly(positions: np.ndarray, one: np.ndarray, other: np.ndarray) -> bool:
-    """The verdict in rational arithmetic."""
+    """The verdict in whole numbers: floats are multiples of powers of two, and where triangles meet does not depend on their size."""
+    ratios = {int(node): [float(value).as_integer_ratio() for value in positions[node]] for node in (*one, *other)}
+    scale = max(below for ratio in ratios.values() for _, below in ratio)
     at: dict[int, Point] = {}
-    for node in (*one, *other):
-        x, y, z = (Fraction(float(value)) for value in positions[node])
-        at[int(node)] = (x, y, z)
+    for node, ratio in ratios.items():
+        x, y, z = (above * (scale // below) for above, below in ratio)
+        at[node] = (x, y, z)
     shared = set(map(int, one)) & set(map(int, other))
     for edges_of, face in ((one, other), (other, one)):
         triangle = [at[int(node)] for node in face]
@@ -175,7 +176,7 @@ def _cross_exactly(positions: np.ndarray, one: np.ndarray, other: np.ndarray) ->
     return False
 
 
-def _volume(a: Point, b: Point, c: Point, d: Point) -> Fraction:
+def _volume(a: Point, b: Point, c: Point, d: Point) -> int:
     u, v, w = ([x - y for x, y in zip(end, a)] for end in (b, c, d))
     return (u[1] * v[2] - u[2] * v[1]) * w[0] + (u[2] * v[0] - u[0] * v[2]) * w[1] + (u[0] * v[1] - u[1] * v[0]) * w[2]
 
@@ -201,7 +202,7 @@ def _meet_in_plane(p: Point, q: Point, triangle: list[Point]) -> bool:
         return False
     first, second = (axis for axis in range(3) if axis != dropped)
 
-    def turn(x: Point, y: Point, z: Point) -> Fraction:
+    def turn(x: Point, y: Point, z: Point) -> int:
         return (y[first] - x[first]) * (z[second] - x[second]) - (y[second] - x[second]) * (z[first] - x[first])
 
     # In a plane, separating lines along the triangle's edges and along the segment are all that is needed.

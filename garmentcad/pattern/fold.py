@@ -18,7 +18,7 @@ from garmentcad.pattern.scope import Scope
 from garmentcad.pattern.spec import PanelSpec, Pressed
 
 _SAME_MM = 0.01
-_SAMPLES = 64  # of an edge, between which it meets a line at most once
+_SAMPLED = np.linspace(0.0, 1.0, 65)
 
 
 def draft_folds(spec: PanelSpec, lines: Mapping[str, np.ndarray], scope: Scope, key: str) -> tuple[FoldLine, ...]:
@@ -64,10 +64,12 @@ def cut_at_folds(panel: Panel) -> Panel:
 def _cut_edge(edge: Edge, folds: Sequence[FoldLine], taken: set[str]) -> list[Edge]:
     """The pieces of an edge; names of new points are added to `taken`."""
     found: list[tuple[float, str]] = []
-    length = edge.curve.length
+    if not folds:
+        return [edge]
+    length, drawn = edge.curve.length, sampled(edge.curve)
     for fold in folds:
         for a, b in pairwise(fold.points_mm):
-            for at in meeting(edge.curve, a, b):
+            for at in meeting(edge.curve, drawn, a, b):
                 if all(abs(at - other) * length > _SAME_MM for other in (0.0, 1.0, *(done for done, _ in found))):
                     number = 1
                     while (name := f"{fold.name}_{number}") in taken:
@@ -89,20 +91,25 @@ def cut_edge(edge: Edge, cuts: Sequence[tuple[float, str]]) -> list[Edge]:
     return pieces
 
 
-def meeting(curve: Curve, a: np.ndarray, b: np.ndarray) -> list[float]:
-    """Arc-length fractions at which a curve meets the straight line from a to b, which goes on by a hundredth of a millimetre at either end."""
+def sampled(curve: Curve) -> np.ndarray:
+    """Points (N,2) of a curve, for `meeting`: between two of them it meets a line at most once."""
+    return curve.points_at(_SAMPLED)
+
+
+def meeting(curve: Curve, drawn: np.ndarray, a: np.ndarray, b: np.ndarray) -> list[float]:
+    """Arc-length fractions at which a curve, whose `sampled` points are `drawn`, meets the straight line from a to b, which goes on by a hundredth of a
+    millimetre at either end."""
     along = (b - a) / max(float(np.hypot(*(b - a))), 1e-12)
 
     def beside(at: float) -> float:
         x, y = curve.points_at(at)[0] - a
         return float(along[0] * y - along[1] * x)
 
-    samples = np.linspace(0.0, 1.0, _SAMPLES + 1)
-    x, y = (curve.points_at(samples) - a).T
+    x, y = (drawn - a).T
     side = along[0] * y - along[1] * x
     if np.all(np.abs(side) < _SAME_MM):
         return []  # it runs along the line
-    found = [float(at) for at in samples[side == 0.0]]
-    found += [float(brentq(beside, samples[k], samples[k + 1])) for k in range(_SAMPLES) if side[k] * side[k + 1] < 0.0]
+    found = [float(at) for at in _SAMPLED[side == 0.0]]
+    found += [float(brentq(beside, _SAMPLED[k], _SAMPLED[k + 1])) for k in np.flatnonzero(side[:-1] * side[1:] < 0.0)]
     reach = (np.array([curve.points_at(at)[0] for at in found]).reshape(-1, 2) - a) @ along
     return sorted(at for at, way in zip(found, reach) if -_SAME_MM <= way <= math.dist(a, b) + _SAME_MM)

@@ -16,7 +16,7 @@ import numpy as np
 from garmentcad.errors import SpecError
 from garmentcad.geometry.curve import Line, Point
 from garmentcad.pattern.darts import find_edge, place_fraction
-from garmentcad.pattern.fold import cut_edge, draft_share, draft_strength, meeting
+from garmentcad.pattern.fold import cut_edge, draft_share, draft_strength, meeting, sampled
 from garmentcad.pattern.pattern import Edge, EdgeUse, FoldLine, Panel, Seam
 from garmentcad.pattern.scope import MAX_COORDINATE_MM, Scope
 from garmentcad.pattern.spec import PleatsSpec
@@ -94,7 +94,7 @@ def _folds(spec: PleatsSpec, edge: Edge, edges: Sequence[Edge], marks: Sequence[
         for name, place, turn in ((FOLD, fold, -angle), (UNDER, under, angle)):
             begin = start + place * along
             ray = begin + _SAME_MM * 10.0 * inward, begin + MAX_COORDINATE_MM * inward
-            hits = [other.curve.points_at(at)[0] for other in edges for at in meeting(other.curve, *ray)]
+            hits = [other.curve.points_at(at)[0] for other in edges for at in meeting(other.curve, sampled(other.curve), *ray)]
             if not hits:
                 raise SpecError(f"the folds of pleat {k + 1} run from edge {spec.edge!r} across the panel and meet no other edge of it", key=key)
             end = min(hits, key=lambda hit: float((hit - begin) @ inward))
