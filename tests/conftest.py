@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
+
+# Before numpy is loaded: tests run beside each other, and threads of linear algebra, which gain nothing in small cloths, would take the other one's core.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numba
 import pytest
