@@ -1,4 +1,4 @@
-"""The judge of crossings against an independent checker, hand-made cases on the edge of rounding, and rational arithmetic."""
+"""The judge of crossings against an independent checker, hand-made cases on the edge of rounding, and exact arithmetic."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ def test_shared_vertex_counts_only_a_pass_through_the_inside() -> None:
         assert len(crossing_triangle_pairs(fan, np.array([[0, 1, 2], [0, a, b]]))) == crossing
 
 
-def test_filter_never_contradicts_rational_arithmetic() -> None:
+def test_filter_never_contradicts_exact_arithmetic() -> None:
     """Coordinates on a coarse grid, so that every second pair is degenerate: touching, coplanar or without area."""
     rng = np.random.default_rng(7)
     positions = rng.integers(0, 4, (600, 3)) * 0.1

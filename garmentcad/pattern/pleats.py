@@ -89,12 +89,13 @@ def _folds(spec: PleatsSpec, edge: Edge, edges: Sequence[Edge], marks: Sequence[
     more = draft_strength(spec.strength, scope, key), draft_share(spec.pressed, scope, key), True
     start, along = np.array(edge.curve.start), edge.curve.tangents_at(0.5)[0]
     inward = np.array([-along[1], along[0]])  # the inside lies left of a counter-clockwise outline
+    drawn = [(other, sampled(other.curve)) for other in edges]
     found = []
     for k, (_, fold, under, _) in enumerate(marks):
         for name, place, turn in ((FOLD, fold, -angle), (UNDER, under, angle)):
             begin = start + place * along
             ray = begin + _SAME_MM * 10.0 * inward, begin + MAX_COORDINATE_MM * inward
-            hits = [other.curve.points_at(at)[0] for other in edges for at in meeting(other.curve, sampled(other.curve), *ray)]
+            hits = [other.curve.points_at(at)[0] for other, points in drawn for at in meeting(other.curve, points, *ray)]
             if not hits:
                 raise SpecError(f"the folds of pleat {k + 1} run from edge {spec.edge!r} across the panel and meet no other edge of it", key=key)
             end = min(hits, key=lambda hit: float((hit - begin) @ inward))

@@ -148,9 +148,10 @@ class Course:
         """Forces, masses and damping of the phase in which the state is."""
         dynamics = self.dynamics
         dynamics.steady = state.phase != "fall"
-        # The shares of contact and of a pin or button that it holds against depend on inertia: what is to be at rest with true masses settles with them.
-        held = dynamics.constraint is not None or self._buttoned or _RANG in state.run
-        dynamics.equalise = self.mode == "drape" and (state.phase == "fall" or (state.phase == "settle" and not held))
+        # The shares of contact and of a pin or button that it holds against depend on inertia: what is to be at rest with true masses settles with them. So
+        # does what rang in a watch, because the change of masses set it off.
+        truly = dynamics.constraint is not None or self._buttoned or _RANG in state.run
+        dynamics.equalise = self.mode == "drape" and (state.phase == "fall" or (state.phase == "settle" and not truly))
         dynamics.lighten = state.phase == "settle" and _CALM in state.run
         dynamics.speed_cap_m_s = SPEED_CAP_M_S if self.mode == "drape" else math.inf
         softness = 1.0
