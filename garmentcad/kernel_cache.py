@@ -5,11 +5,15 @@ file that this file imports, so that an edited callee recompiles its callers and
 
 Numba takes the code of a callee into every caller and optimises it there once more, level by level, so that a kernel five calls down is compiled six times.
 `keep_apart` makes callers call it by its symbol instead.
+
+While numba compiles, garbage is collected more seldom: it makes millions of objects that live until it is done, and to walk through them again and again
+takes a tenth of the time.
 """
 
 from __future__ import annotations
 
 import atexit
+import gc
 import hashlib
 import os
 import pickle
@@ -25,7 +29,7 @@ from pathlib import Path
 from typing import Any
 
 from numba import typeof
-from numba.core import caching
+from numba.core import caching, event
 from numba.core.codegen import CPUCodeLibrary
 
 _PACKAGE = Path(__file__).resolve().parent
@@ -119,6 +123,28 @@ def _resolved(path: str) -> Path:
 
 
 caching.CacheImpl._locator_classes.insert(0, _ClosureLocator)
+
+
+class _SeldomCollected(event.Listener):
+    """Lets garbage lie from the beginning of a compilation to its end, those of its callees included: to collect none at all gains no more time and takes
+    half as much memory again (1,100 MB for 720 while the kernels of a drape compile)."""
+
+    def __init__(self) -> None:
+        self._depth, self._before = 0, gc.get_threshold()
+
+    def on_start(self, event: Any) -> None:
+        if self._depth == 0:
+            self._before = gc.get_threshold()
+            gc.set_threshold(20_000, 10, 30)
+        self._depth += 1
+
+    def on_end(self, event: Any) -> None:
+        self._depth -= 1
+        if self._depth == 0:
+            gc.set_threshold(*self._before)
+
+
+event.register("numba:compile", _SeldomCollected())
 
 
 class _StaleCallee(Exception):

@@ -1,9 +1,15 @@
 """Long kernels stay apart from those that call them: also when both come from disk, and when the one on disk is not the one that was called."""
 
+import gc
 import os
 import subprocess
 import sys
 from pathlib import Path
+
+import pytest
+from numba import njit
+from numba.core import event
+from numba.core.errors import TypingError
 
 from garmentcad.arrays import kernel, long_kernel
 
@@ -106,3 +112,34 @@ def test_a_caller_does_not_hold_its_long_callee():
     (symbol,) = (result.fndesc.llvm_func_name for result in long.overloads.values())
     assert any(line.startswith("declare") and symbol in line for line in code.splitlines())
     assert "fmul" not in code  # the callee's product
+
+
+def test_garbage_is_collected_seldom_while_numba_compiles_and_as_before_then():
+    before, meanwhile = gc.get_threshold(), []
+
+    class Watch(event.Listener):
+        def on_start(self, event):
+            meanwhile.append(gc.get_threshold())
+
+        def on_end(self, event):
+            meanwhile.append(gc.get_threshold())
+
+    @njit
+    def inner(x):
+        return x + 1.0
+
+    @njit
+    def outer(x):
+        return inner(x)
+
+    @njit
+    def broken(x):
+        return inner(x).nothing
+
+    with event.install_listener("numba:compile", Watch()):
+        outer(1.0)
+        with pytest.raises(TypingError):
+            broken(1)
+    # the last end of each is heard when all is as before: of outer, and of broken, whose callee is compiled for whole numbers
+    assert [threshold[0] > 10 * before[0] for threshold in meanwhile] == [True, True, True, False, True, True, True, False]
+    assert gc.get_threshold() == before
