@@ -56,8 +56,8 @@ bench: $(VENV)/.installed
 $(VENV)/.installed: pyproject.toml
 	@start=$$(date +%s); \
 	$(PYTHON) -c 'import sys; sys.exit("garmentcad needs Python 3.11 or later, this is " + sys.version.split()[0] if sys.version_info < (3, 11) else 0)' && \
-	$(PYTHON) -m venv $(VENV) && $(BIN)/python -m pip install --quiet --disable-pip-version-check --upgrade pip setuptools && \
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[view,test,dev]' && \
+	$(PYTHON) -m venv $(VENV) && \
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile -e '.[view,test,dev]' && \
 	echo $$(( $$(date +%s) - start )) > $@
 
 clean:

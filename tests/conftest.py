@@ -5,8 +5,10 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 
-# Before numpy is loaded: tests run beside each other, and threads of linear algebra, which gain nothing in small cloths, would take the other one's core.
+# Before numpy and numba are loaded: tests run beside each other, and threads of linear algebra, which gain nothing in small cloths, or such that spin while
+# they wait for each other, would take the other one's core.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+os.environ.setdefault("GOMP_SPINCOUNT", "0")
 
 import numba
 import pytest

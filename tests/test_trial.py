@@ -245,7 +245,7 @@ def test_pytest_collects_runs_and_reports(tmp_path: Path) -> None:
     (tmp_path / "refused.garment-test.yaml").write_text("schema: 1\nspec: band.yaml\nreport: {ease_mm.wist: 0}\n")
     (tmp_path / "foreign.yaml").write_text("a: [")
     words = [sys.executable, "-m", "pytest", "-p", "garmentcad.regression.pytest_plugin", "-rA", "-p", "no:cacheprovider", str(tmp_path)]
-    environment = os.environ | {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1", "PYTHONPATH": str(ROOT)}
+    environment = os.environ | {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1", "NUMBA_NUM_THREADS": "1", "PYTHONPATH": str(ROOT)}
     run = subprocess.run(words, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=1800, check=False)
     assert run.returncode == 1, run.stdout + run.stderr
     assert "1 passed" in run.stdout

@@ -86,6 +86,8 @@ def cut(positions: np.ndarray, triangles: np.ndarray, plane: Plane) -> list[Chai
     height = positions @ plane.normal - plane.offset
     above = (height >= 0.0)[triangles]
     crossed = np.flatnonzero((above[:, 0] != above[:, 1]) | (above[:, 1] != above[:, 2]))
+    if len(crossed) == 0:
+        return []
     between = above[crossed] != np.roll(above[crossed], -1, axis=1)  # by edge: corner and the next one lie on different sides
     first_corners = np.nonzero(between)[1].reshape(-1, 2)
     ends = np.stack([first_corners, (first_corners + 1) % 3], axis=2)
@@ -93,11 +95,12 @@ def cut(positions: np.ndarray, triangles: np.ndarray, plane: Plane) -> list[Chai
     fraction = height[corners[..., 0]] / (height[corners[..., 0]] - height[corners[..., 1]])
     points = positions[corners[..., 0]] + fraction[..., None] * (positions[corners[..., 1]] - positions[corners[..., 0]])
     # Segments by mesh edge, each edge's in order: those of edge e are beside[starts[e] : starts[e + 1]].
-    keys = corners.min(axis=2).astype(np.int64) * len(positions) + corners.max(axis=2)
-    edge_of = np.unique(keys, return_inverse=True)[1].reshape(-1, 2)
-    beside = (np.argsort(edge_of, axis=None, kind="stable") // 2).tolist()
-    starts = np.concatenate([[0], np.cumsum(np.bincount(edge_of.ravel()))]).tolist()
-    edges = edge_of.tolist()
+    keys = (corners.min(axis=2).astype(np.int64) * len(positions) + corners.max(axis=2)).ravel()
+    order = np.argsort(keys, kind="stable")
+    begins = np.diff(keys[order], prepend=-1) > 0
+    edge_of = np.empty(len(keys), dtype=np.int64)
+    edge_of[order] = np.cumsum(begins) - 1
+    beside, starts, edges = (order // 2).tolist(), [*np.flatnonzero(begins).tolist(), len(keys)], edge_of.reshape(-1, 2).tolist()
     used = [False] * len(crossed)
 
     def walk(segment: int, side: int) -> list[tuple[int, int]]:

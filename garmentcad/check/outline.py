@@ -76,6 +76,8 @@ def _check_inside(panel: Panel, polygon: shapely.Polygon, file: str | None, key:
 
 def _check_size(polygon: shapely.Polygon, grid_mm: float, file: str | None, key: str) -> Iterator[Finding]:
     """A lattice needs a row of cells: at least two spacings across, and one at the very least."""
+    if polygon.area > grid_mm * polygon.length:
+        return  # a circle of radius area / length goes into any outline (Bonnesen); to find the largest one takes as long as all other checks of a panel
     width = 2.0 * shapely.maximum_inscribed_circle(polygon, tolerance=0.1).length
     if width < 2.0 * grid_mm:
         yield Finding(
