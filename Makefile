@@ -14,6 +14,8 @@ demo: $(VENV)/.installed
 	@$(BIN)/garmentcad drape $(DEMO_GARMENT) -o $(DEMO_FOLDER) $(DEMO_OPTIONS)
 	@echo "installation took $$(cat $(VENV)/.installed) s when the environment was made"
 
+# Tests start dozens of processes, of which each would compile the program's modules anew where Python is told to keep none of them.
+test: export PYTHONDONTWRITEBYTECODE =
 test: $(VENV)/.installed
 	$(BIN)/ruff check garmentcad tests tools bench
 	@# types are checked beside the tests: both are looked at, whatever the other says
@@ -57,7 +59,7 @@ $(VENV)/.installed: pyproject.toml
 	@start=$$(date +%s); \
 	$(PYTHON) -c 'import sys; sys.exit("garmentcad needs Python 3.11 or later, this is " + sys.version.split()[0] if sys.version_info < (3, 11) else 0)' && \
 	$(PYTHON) -m venv $(VENV) && \
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile -e '.[view,test,dev]' && \
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[view,test,dev]' && \
 	echo $$(( $$(date +%s) - start )) > $@
 
 clean:
