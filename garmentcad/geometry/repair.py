@@ -69,11 +69,10 @@ def _turned_alike(count: int, faces: np.ndarray) -> tuple[np.ndarray, list[str]]
 
 
 def _closed(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray, list[str]]:
-    half = _half_edges(faces)
-    there = {tuple(pair) for pair in half.tolist()}
-    rim = [(int(a), int(b)) for a, b in half if (int(b), int(a)) not in there]
+    half = _half_edges(faces).astype(np.int64)
+    there, back = half[:, 0] * len(vertices) + half[:, 1], half[:, 1] * len(vertices) + half[:, 0]
     after: dict[int, int] = {}
-    for a, b in rim:
+    for a, b in half[~np.isin(back, there)].tolist():
         if a in after:
             return vertices, faces, []  # two holes meet in a vertex: which rim goes on where would be guessed
         after[a] = b
