@@ -282,7 +282,11 @@ class ForceLattice:
             corners = law.corners
             stiffness, used = np.zeros(len(corners)), corners != NO_PARTICLE
             write(law, stiffness)
-            total += np.bincount(corners[used], weights=stiffness[used], minlength=count)[:count]
+            # A part of a law touches few of the particles: sums over all of them, part by part, would grow with their square.
+            particles = corners[used]
+            low = int(particles.min(initial=count))
+            part = np.bincount(particles - low, weights=stiffness[used])
+            total[low : low + len(part)] += part
         out[:] = np.where(self.corners == NO_PARTICLE, 0.0, total[self.corners])
 
 
