@@ -11,6 +11,7 @@ import numpy as np
 from garmentcad.analysis.penetration import signed_distances
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.geometry.intersection import crossing_triangle_pairs
+from garmentcad.geometry.portable import norm
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.pattern import Pattern, Transform
 from garmentcad.units import M_TO_MM
@@ -30,7 +31,7 @@ class Move:
     def __str__(self) -> str:
         by_mm = M_TO_MM * self.by_m
         x, y, z = (f"{value:.0f}" for value in np.round(by_mm) + 0.0)
-        return f"panel {self.panel} starts {np.linalg.norm(by_mm):.0f} mm ({x}, {y}, {z}) from its place, clear of {', '.join(self.clear_of)}"
+        return f"panel {self.panel} starts {norm(by_mm):.0f} mm ({x}, {y}, {z}) from its place, clear of {', '.join(self.clear_of)}"
 
 
 def clearing_moves(pattern: Pattern, cloth: Cloth, positions: np.ndarray, mannequin: Mannequin, worn: Collection[str] = ()) -> list[Move]:
@@ -60,7 +61,7 @@ def clearing_moves(pattern: Pattern, cloth: Cloth, positions: np.ndarray, manneq
         pairs = np.unique(np.sort(owner[crossing_triangle_pairs(moved, cloth.triangles)], axis=1), axis=0)
         for a, b in pairs[pairs[:, 0] != pairs[:, 1]].tolist():
             apart = middles[a] + moves[a] - middles[b] - moves[b]
-            length = float(np.linalg.norm(apart))
+            length = norm(apart)
             direction = apart / length if length > STEP_M else normals[a]
             if not flat[a] and not flat[b]:
                 direction = np.array([0.0, math.copysign(1.0, direction[1]), 0.0])
@@ -86,5 +87,5 @@ def _right_side(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     """Unit mean normal (3,), zero where there is none."""
     a, b, c = (positions[triangles[:, k]] for k in range(3))
     total = np.cross(b - a, c - a).sum(axis=0)
-    length = float(np.linalg.norm(total))
+    length = norm(total)
     return total / length if length > 0.0 else total

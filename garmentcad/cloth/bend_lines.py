@@ -20,6 +20,7 @@ from scipy.spatial import cKDTree
 from garmentcad.arrays import floats, indices
 from garmentcad.cloth.cloth import WARP, WEFT, BendLines
 from garmentcad.cloth.panel_mesh import PanelMesh, neighbors
+from garmentcad.geometry.portable import arctan2
 from garmentcad.geometry.triangle import signed_areas
 from garmentcad.units import MM_TO_M
 
@@ -133,7 +134,7 @@ def _excess(mesh: PanelMesh, length: np.ndarray, arm: np.ndarray, weight: np.nda
     for k in (a, b):
         chord = mesh.points[arm[:, k, 1]] - mesh.points[arm[:, k, 0]]
         sags.append(weight[:, k] * (1.0 - weight[:, k]) * np.sum(chord**2, axis=1) / (2.0 * length[:, k]))
-        angles.append(np.arctan2(chord[:, 1], chord[:, 0]) - (0.0 if direction == WEFT else 0.5 * np.pi))
+        angles.append(arctan2(chord[:, 1], chord[:, 0]) - (0.0 if direction == WEFT else 0.5 * np.pi))
     terms = [(0.5 * (length[:, a] + length[:, b]), np.zeros(len(length))), *zip(sags, angles)]
     mean = sum(s * t * (0.25 + np.cos(2.0 * (p - q)) / 8.0) for s, p in terms for t, q in terms)
     return mean / (0.375 * terms[0][0] ** 2)

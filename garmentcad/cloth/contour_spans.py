@@ -16,6 +16,7 @@ import numpy as np
 from garmentcad.arrays import floats, indices
 from garmentcad.cloth.cloth import ContourSpans
 from garmentcad.cloth.panel_mesh import PanelMesh
+from garmentcad.geometry.portable import arctan2
 from garmentcad.units import MM_TO_M
 
 _LARGEST_TURN_DEG = 30.0  # of the contour at the two middle points; a span does not reach around a corner
@@ -36,7 +37,7 @@ def contour_spans(mesh: PanelMesh) -> ContourSpans:
     rows += mesh.lattice_count
     sides = np.diff(mesh.points[rows], axis=1)
     lengths = np.linalg.norm(sides, axis=2)
-    turn = np.abs(np.arctan2(_cross(sides[:, :2], sides[:, 1:]), np.sum(sides[:, :2] * sides[:, 1:], axis=2)))
+    turn = np.abs(arctan2(_cross(sides[:, :2], sides[:, 1:]), np.sum(sides[:, :2] * sides[:, 1:], axis=2)))
     smooth = (turn <= np.radians(_LARGEST_TURN_DEG)).all(axis=1)
     rows, lengths = rows[smooth], lengths[smooth]
     whole = mesh.points[rows[:, 3]] - mesh.points[rows[:, 0]]
@@ -59,6 +60,10 @@ def _coefficients(points: np.ndarray, lengths: np.ndarray) -> np.ndarray:
     apart = place[:, :, None] - place[:, None, :] + np.eye(4)
     third = 1.0 / apart.prod(axis=2)  # the divided difference
     third *= np.sqrt(_UNIFORM2 / np.sum(third**2, axis=1))[:, None]
-    size = place[:, -1, None, None]
-    affine = np.concatenate([np.ones((len(points), 4, 1)), (points - points.mean(axis=1, keepdims=True)) / size], axis=2)
-    return third - np.einsum("nij,nj->ni", affine @ np.linalg.pinv(affine, rcond=_FLAT), third)
+    third -= third.mean(axis=1, keepdims=True)
+    x, y = np.moveaxis((points - points.mean(axis=1, keepdims=True)) / place[:, -1, None, None], 2, 0)
+    turn = 0.5 * arctan2(2.0 * np.sum(x * y, axis=1), np.sum(x * x - y * y, axis=1))[:, None]  # the points lie along this direction, nearest to a line
+    for way in (np.cos(turn) * x + np.sin(turn) * y, np.cos(turn) * y - np.sin(turn) * x):
+        square = np.sum(way * way, axis=1, keepdims=True)
+        third -= np.divide(np.sum(third * way, axis=1, keepdims=True), square, out=np.zeros_like(square), where=square > _FLAT * _FLAT) * way
+    return third

@@ -15,7 +15,7 @@ def fold_hinges(border: BorderTriangles, ends: np.ndarray, fold: np.ndarray, str
     count = int(border.corners.max(initial=0)) + 1
     tail, head = border.corners.astype(np.int64).T.ravel(), np.roll(border.corners, -1, axis=1).astype(np.int64).T.ravel()
     key, wanted = tail * count + head, ends.astype(np.int64) @ np.array([[count, 1], [1, count]])
-    order = np.argsort(key)
+    order = np.argsort(key, kind="stable")
     side = order[np.searchsorted(key[order], wanted)]  # the triangle to the left of the segment, and that to its right, which runs along it backward
     row, place = side % len(border.corners), side // len(border.corners)
     return made_hinges(border, ends, row, (place + 2) % 3, np.full(len(ends), _FLAT), strength[fold], fold)

@@ -14,6 +14,7 @@ import shapely
 from garmentcad.arrays import indices
 from garmentcad.cloth.contour import Contour
 from garmentcad.errors import LimitError, SpecError
+from garmentcad.geometry.portable import product
 from garmentcad.geometry.triangle import signed_areas
 from garmentcad.geometry.triangulate import TriangulationError, constrained_triangles
 
@@ -62,7 +63,7 @@ class PanelMesh:
 def to_grain(points: np.ndarray, grain_deg: float) -> np.ndarray:
     """(weft, warp) coordinates of panel points (N,2); warp is panel +y turned counter-clockwise by the grain angle."""
     c, s = math.cos(math.radians(grain_deg)), math.sin(math.radians(grain_deg))
-    return points @ np.array([[c, -s], [s, c]])
+    return product(points, [[c, -s], [s, c]])
 
 
 def to_panel(points: np.ndarray, grain_deg: float) -> np.ndarray:

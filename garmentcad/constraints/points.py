@@ -30,6 +30,7 @@ from scipy.sparse.csgraph import connected_components
 from garmentcad.arrays import floats, indices, kernel, long_kernel
 from garmentcad.errors import InputError
 from garmentcad.geometry.closest import dot
+from garmentcad.geometry.eigen import eigen
 
 LEAST_SHARE = 0.1  # of its way, that the floor of the closing speed closes in a step at most
 _FASTEST = math.sqrt(0.1)  # of rate times step, so that ks dt^2 < 0.1
@@ -225,16 +226,23 @@ class ConstraintPoints:
         rows, columns, values = [alone], [alone], [1.0 / matrix.diagonal()[alone]]
         redundant: set[str] = set()
         order = np.argsort(label, kind="stable")
-        for block in np.split(order, np.cumsum(sizes)[:-1]):
-            if len(block) <= 1:  # none: a garment without seams is one empty block
-                continue
-            eigenvalues, vectors = np.linalg.eigh(matrix[block][:, block].toarray())
-            sound = eigenvalues > 1e-9 * eigenvalues[-1]
-            inverse = (vectors[:, sound] / eigenvalues[sound]) @ vectors[:, sound].T
-            for null in vectors[:, ~sound].T:
-                redundant |= {self.names[k] for k in block[np.abs(null) > 1e-6]}
-            rows.append(np.repeat(block, len(block)))
-            columns.append(np.tile(block, len(block)))
+        first = np.cumsum(sizes) - sizes
+        entry, place = matrix.tocoo(), np.empty(len(order), dtype=np.int64)
+        place[order] = np.arange(len(order)) - first[label[order]]  # of a row in its block
+        for size in np.unique(sizes[sizes > 1]):
+            blocks = np.flatnonzero(sizes == size)
+            members = order[first[blocks, None] + np.arange(size)]
+            mine = sizes[label[entry.row]] == size
+            row, column = entry.row[mine], entry.col[mine]
+            block = np.zeros((len(blocks), size, size))
+            block[np.searchsorted(blocks, label[row]), place[row], place[column]] = entry.data[mine]
+            eigenvalues, vectors = eigen(block)
+            sound = eigenvalues > 1e-9 * eigenvalues.max(axis=1, keepdims=True)
+            inverse = np.einsum("bik,bjk->bij", vectors * np.divide(1.0, eigenvalues, out=np.zeros_like(eigenvalues), where=sound)[:, None], vectors)
+            repeated = ((np.abs(vectors) > 1e-6) & ~sound[:, None]).any(axis=2)
+            redundant |= {self.names[k] for k in members[repeated]}
+            rows.append(np.repeat(members, size, axis=1).ravel())
+            columns.append(np.tile(members, size).ravel())
             values.append(inverse.ravel())
         size = len(self.targets)
         solved = coo_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=(size, size)).tocsr()

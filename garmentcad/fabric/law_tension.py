@@ -25,6 +25,7 @@ from scipy.optimize import brentq
 from garmentcad.arrays import entry, kernel
 from garmentcad.errors import FabricError
 from garmentcad.fabric.internal_friction import dragged
+from garmentcad.geometry.portable import expm1
 
 SMALL = 1e-4  # below this |x u| the series are exact to double precision and expm1(z) - z would cancel
 LARGEST_EXPONENT = 60.0  # LT 0.033 .. 1.967
@@ -96,7 +97,7 @@ def initial_slope(em: Any, fm: Any, exponent: Any) -> Any:
     x = np.asarray(exponent, dtype=np.float64)
     small = np.abs(x) < 1e-8
     safe = np.where(small, 1.0, x)
-    return (np.asarray(fm) / np.asarray(em) * np.where(small, 1.0 - 0.5 * x, safe / np.expm1(safe)))[()]
+    return (np.asarray(fm) / np.asarray(em) * np.where(small, 1.0 - 0.5 * x, safe / expm1(safe)))[()]
 
 
 def linearity(exponent: float) -> float:

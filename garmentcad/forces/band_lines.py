@@ -10,6 +10,7 @@ from garmentcad.arrays import floats, indices
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.locate import Anchors, anchors
 from garmentcad.forces.band import BandSegments, no_bands
+from garmentcad.geometry.portable import norm
 from garmentcad.pattern.pattern import Band, EdgeUse, Pattern
 from garmentcad.units import MM_TO_M
 
@@ -54,7 +55,7 @@ def _chain(pattern: Pattern, cloth: Cloth, band: Band, number: int) -> tuple[Anc
         alone = np.tile([1.0, 0.0, 0.0], (len(vertices), 1))
         return Anchors(np.repeat(cloth.vertex_particle[vertices], 3).reshape(-1, 3), alone), cloth.vertex_uv_mm[vertices]
     a, b = (np.array(end.uv_mm) for end in line)  # type: ignore[union-attr]
-    count = max(1, math.ceil(float(np.linalg.norm(b - a)) * MM_TO_M / cloth.spacing))
+    count = max(1, math.ceil(norm(b - a) * MM_TO_M / cloth.spacing))
     places = a + np.linspace(0.0, 1.0, count + 1)[:, None] * (b - a)
     return anchors(cloth, line[0].panel, places), places
 

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.sparse import csr_array
-from scipy.sparse.csgraph import reverse_cuthill_mckee
+from scipy.sparse.csgraph import breadth_first_order, connected_components
 
 from garmentcad.arrays import entry, floats, indices, kernel, long_kernel, row_kernel, rows_by_key
 from garmentcad.cloth.cloth import WARP, WEFT, BorderTriangles, Cloth
@@ -328,7 +328,9 @@ def _in_order(border: BorderTriangles) -> BorderTriangles:
     count = len(border.area)
     entries = np.ones(3 * count), (np.repeat(np.arange(count), 3), border.patch.ravel())
     of_patch = csr_array(entries, shape=(count, len(border.patch_material)))
-    order = reverse_cuthill_mckee((of_patch @ of_patch.T).tocsr(), symmetric_mode=True) if count else np.empty(0, dtype=np.int64)
+    neighbours = (of_patch @ of_patch.T).tocsr()
+    first = np.unique(connected_components(neighbours, directed=False)[1], return_index=True)[1]
+    order = np.concatenate([np.empty(0, np.int64), *(breadth_first_order(neighbours, at, directed=False, return_predecessors=False) for at in first)])
     patch = border.patch[order]
     starts, rows = rows_by_key(patch.ravel(), len(border.patch_material))
     fields = {name: getattr(border, name)[order] for name in ("corners", "area", "warp_gradient", "weft_gradient", "material")}
@@ -346,7 +348,7 @@ def _parts(border: BorderTriangles, patch_area: np.ndarray) -> BorderParts:
         rows = [border.patch_triangle[border.patch_start[p] : border.patch_start[p + 1]] for p in mine]
         held = np.concatenate(rows)
         together = np.concatenate([own, np.setdiff1d(held, own)])
-        place = np.argsort(together)
+        place = np.argsort(together, kind="stable")
         triangles.append(together)
         patches.append(mine)
         entry_counts += [len(row) for row in rows]

@@ -75,4 +75,4 @@ class LawTwist:
         _, crossing, diagonal, size = self._geometry(positions)
         gradient = 1.0 + crossing * diagonal / size
         stiffness = self._cells.stiffness * np.where(self.way > 0.0, 1.0 + STICK, 1.0)
-        out[:] = np.repeat(4.0 * stiffness * gradient**3, 4)
+        out[:] = np.repeat(4.0 * stiffness * gradient * gradient * gradient, 4)

@@ -9,9 +9,10 @@ from functools import cached_property
 from typing import Any, TypeAlias
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import CubicHermiteSpline
 
 from garmentcad.arrays import floats
+from garmentcad.geometry.portable import product
 
 Point: TypeAlias = tuple[float, float]
 
@@ -75,7 +76,7 @@ class Curve(ABC):
         half = 0.5 * (b - a)
         nodes = half[:, None] * (_NODES + 1.0) + a[:, None]
         speed = np.hypot(*self.evaluate(nodes.ravel(), 1).T).reshape(nodes.shape)
-        return half * (speed @ _WEIGHTS)
+        return half * product(speed, _WEIGHTS)
 
     def parameters_at(self, fractions: Any) -> np.ndarray:
         """Parameters t (N,) of arc-length fractions in [0, 1] (clipped): Newton on the length, kept inside a bracket."""
@@ -220,7 +221,7 @@ class Cubic(Curve):
         s = t[:, None]
         r = 1 - s
         if order == 0:
-            return r**3 * a + 3 * s * r**2 * c + 3 * s**2 * r * d + s**3 * b
+            return r**2 * r * a + 3 * s * r**2 * c + 3 * s**2 * r * d + s**2 * s * b
         return 3 * (r**2 * (c - a) + 2 * s * r * (d - c) + s**2 * (b - d)) if order == 1 else 6 * (r * (a - 2 * c + d) + s * (c - 2 * d + b))
 
     def part(self, t_a: float, t_b: float, start: Point, end: Point) -> Cubic:
@@ -297,9 +298,9 @@ class Spline(Curve):
         return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
 
     @cached_property
-    def _spline(self) -> CubicSpline:
-        conditions = [(2, np.zeros(2)) if tangent is None else (1, np.array(tangent)) for tangent in (self.start_tangent, self.end_tangent)]
-        return CubicSpline(self._knots, np.array([self.start, *self.through, self.end]), bc_type=tuple(conditions))
+    def _spline(self) -> CubicHermiteSpline:
+        points = np.array([self.start, *self.through, self.end])
+        return CubicHermiteSpline(self._knots, points, _slopes(self._knots, points, self.start_tangent, self.end_tangent))
 
     @property
     def breaks(self) -> np.ndarray:
@@ -328,3 +329,24 @@ class Spline(Curve):
         start, end, *through = (mirror_point(p, point, direction) for p in (self.start, self.end, *self.through))
         tangents = [None if tangent is None else mirror_point(tangent, (0.0, 0.0), direction) for tangent in (self.start_tangent, self.end_tangent)]
         return Spline(start, end, tuple(through), tangents[0], tangents[1], self.knots)
+
+
+def _slopes(knots: np.ndarray, points: np.ndarray, at_start: Point | None, at_end: Point | None) -> np.ndarray:
+    """Derivatives (N,2) at the knots that make the cubic spline through points (N,2) twice continuously differentiable; at an end the one given, or, where
+    there is none, such that the spline has no curvature there. Elimination in order: a library's gives other last bits on another processor."""
+    count, step = len(knots), np.diff(knots)
+    chord = np.diff(points, axis=0) / step[:, None]
+    below, diagonal, above, right = np.zeros(count), np.ones(count), np.zeros(count), np.zeros((count, 2))
+    below[1:-1], above[1:-1], diagonal[1:-1] = step[1:], step[:-1], 2.0 * (step[1:] + step[:-1])
+    right[1:-1] = 3.0 * (step[1:, None] * chord[:-1] + step[:-1, None] * chord[1:])
+    right[0], right[-1] = 1.5 * chord[0] if at_start is None else at_start, 1.5 * chord[-1] if at_end is None else at_end
+    above[0], below[-1] = (0.5 if tangent is None else 0.0 for tangent in (at_start, at_end))
+    for k in range(1, count):
+        share = below[k] / diagonal[k - 1]
+        diagonal[k] -= share * above[k - 1]
+        right[k] -= share * right[k - 1]
+    slopes = right
+    slopes[-1] /= diagonal[-1]
+    for k in range(count - 2, -1, -1):
+        slopes[k] = (slopes[k] - above[k] * slopes[k + 1]) / diagonal[k]
+    return slopes

@@ -16,6 +16,7 @@ import numpy as np
 
 from garmentcad.errors import InputError, SpecError, did_you_mean
 from garmentcad.geometry.curve import Point
+from garmentcad.geometry.portable import product
 from garmentcad.io.garmentcode_body import body_file_of
 from garmentcad.io.garmentcode_file import CircleFile, GarmentCodeFile, PanelFile, StitchEnd, read_garmentcode_file, unread
 from garmentcad.pattern.draft import draft
@@ -225,7 +226,7 @@ class _Reader:
         if self._panel.label == "arm":
             return "cuff"
         up = self._placement(False).matrix[1, :2]
-        heights = self._ends @ up
+        heights = product(self._ends, up)
         return "hem" if heights[k].mean() < 0.5 * (heights.min() + heights.max()) else None
 
 

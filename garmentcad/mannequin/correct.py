@@ -11,6 +11,7 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
+from garmentcad.geometry.portable import norm, product
 from garmentcad.mannequin.human import HumanModel, Shape
 from garmentcad.mannequin.tapes import GIRTHS, THIGH_BELOW_CROTCH, TOP_ARM_SHARE, arm_axes, girths_mm, neck_plane
 
@@ -51,7 +52,7 @@ def _smooth(value: np.ndarray) -> np.ndarray:
 
 def _factor(at: np.ndarray, places: list[float], values: list[float]) -> np.ndarray:
     """Monotone cubic through (place, value), constant beyond the ends; minus 1."""
-    order = np.argsort(places)
+    order = np.argsort(places, kind="stable")
     curve = PchipInterpolator(np.array(places)[order], np.array(values)[order])
     return curve(np.clip(at, min(places), max(places))) - 1.0
 
@@ -89,9 +90,9 @@ def _arm(model: HumanModel, body: Shape, factors: dict[str, float]) -> np.ndarra
     """Scaling across the upper arm and across the forearm."""
     points, joints = body.points, body.joints
     upper, lower = arm_axes(joints)
-    upper_length, lower_length = (float(np.linalg.norm(joints[b] - joints[a])) for a, b in (("shoulder", "elbow"), ("elbow", "wrist")))
+    upper_length, lower_length = (norm(joints[b] - joints[a]) for a, b in (("shoulder", "elbow"), ("elbow", "wrist")))
     from_shoulder, from_wrist = points - joints["shoulder"], points - joints["wrist"]
-    along_upper, along_lower = from_shoulder @ upper, from_wrist @ lower
+    along_upper, along_lower = product(from_shoulder, upper), product(from_wrist, lower)
     grow_upper = _factor(along_upper, [0.0, TOP_ARM_SHARE * upper_length, upper_length], [1.0, factors["top_arm"], 1.0])
     grow_lower = _factor(along_lower, [-lower_length, 0.0, 0.10], [1.0, factors["wrist"], 1.0])
     across_upper = from_shoulder - along_upper[:, None] * upper
@@ -105,7 +106,7 @@ def _neck(model: HumanModel, body: Shape, factor: float) -> np.ndarray:
     points = body.points
     origin, normal = neck_plane(model, points)
     offset = points - origin
-    above = offset @ normal
+    above = product(offset, normal)
     across = offset - above[:, None] * normal
     fade = _smooth(1.0 - np.abs(above) / 0.09) * _smooth((0.16 - np.abs(across[:, 0])) / 0.08) * (1.0 - model.arm_weight)
     return ((factor - 1.0) * fade)[:, None] * across

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from garmentcad.geometry.portable import norm, product
 from garmentcad.mannequin.mannequin import ArrangementCylinder
 
 _MIRROR = np.array([-1.0, 1.0, 1.0])
@@ -14,8 +15,8 @@ def enclosing(points: np.ndarray, origin: np.ndarray, up: np.ndarray, ref: np.nd
 
     Its aspect is that of the points' extents from the axis; ref (3,): direction of angle 0, perpendicular to up, any length.
     """
-    ref = ref / np.linalg.norm(ref)
-    a, b = (points - origin) @ ref, (points - origin) @ np.cross(up, ref)
+    ref = ref / norm(ref)
+    a, b = product(points - origin, ref), product(points - origin, np.cross(up, ref))
     radius_a, radius_b = np.abs(a).max(), np.abs(b).max()
     grow = np.sqrt(((a / radius_a) ** 2 + (b / radius_b) ** 2).max())
     return ArrangementCylinder(np.array(origin, dtype=float), up, ref, float(grow * radius_a), float(grow * radius_b))

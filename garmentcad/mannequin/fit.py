@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import lsq_linear
 
+from garmentcad.geometry.portable import norm, product
 from garmentcad.mannequin.human import HumanModel, Shape, build_names, build_weights
 from garmentcad.mannequin.stand import stand, wanted_heights
 from garmentcad.mannequin.tapes import taped
@@ -16,6 +17,7 @@ from garmentcad.units import MM_TO_M
 _STEPS = 12
 _FIRST_BOX = 0.3  # largest change of a parameter in one step; halved when a step does not help
 _LAST_BOX = 0.02
+_DECIMALS = 6  # of parameters: a body is the same to the bit whatever processor solved for it, whose linear algebra differs in the last bits
 _ROOM = 1e-9  # keeps the box of a parameter at its bound open
 _LENGTH_SIGMA = 0.004  # m
 _SHOULDER_RISE = 0.94  # horizontal share of the shoulder seam (cosine of its slope)
@@ -39,9 +41,10 @@ def fit(model: HumanModel, space: Space, sizes: Mapping[str, float]) -> np.ndarr
     residuals, jacobian = _residuals(model, space, sizes, parameters)
     for _ in range(_STEPS):
         low, high = np.maximum(space.lowest - parameters, -box) - _ROOM, np.minimum(space.highest - parameters, box) + _ROOM
-        trial = np.clip(parameters + lsq_linear(jacobian, -residuals, bounds=(low, high), method="bvls").x, space.lowest, space.highest)
+        step = lsq_linear(jacobian, -residuals, bounds=(low, high), method="bvls").x
+        trial = np.clip(np.round(parameters + step, _DECIMALS), space.lowest, space.highest)
         trial_residuals, trial_jacobian = _residuals(model, space, sizes, trial)
-        if trial_residuals @ trial_residuals < residuals @ residuals:
+        if norm(trial_residuals) < norm(residuals):
             parameters, residuals, jacobian = trial, trial_residuals, trial_jacobian
         else:
             box *= 0.5
@@ -83,7 +86,7 @@ def _residuals(model: HumanModel, space: Space, sizes: Mapping[str, float], para
     _, by_muscle, by_weight = build_weights(parameters[0], parameters[1])
     by_targets = np.array(rows)
     by_build = by_targets[:, _builds(model)]
-    jacobian = np.column_stack([by_build @ by_muscle, by_build @ by_weight, by_targets[:, space.free]])
+    jacobian = np.column_stack([product(by_build, by_muscle), product(by_build, by_weight), by_targets[:, space.free]])
     return np.r_[values, (parameters - space.prior) / space.sigma], np.vstack([jacobian, np.diag(1 / space.sigma)])
 
 
@@ -93,10 +96,10 @@ def _lengths(model: HumanModel, body: Shape, sizes: Mapping[str, float], scale: 
     index = {name: k for k, name in enumerate(model.joint_names)}
     shoulder, elbow, wrist = body.points[tip], body.joints["elbow"], body.joints["wrist"]
     upper, lower = elbow - shoulder, wrist - elbow
-    length = np.linalg.norm(upper) + np.linalg.norm(lower)
+    length = norm(upper) + norm(lower)
     toward_elbow = model.joint_targets[:, index["elbow"]] - model.targets[:, tip]
     toward_wrist = model.joint_targets[:, index["wrist"]] - model.joint_targets[:, index["elbow"]]
-    arm = scale * (toward_elbow @ upper / np.linalg.norm(upper) + toward_wrist @ lower / np.linalg.norm(lower))
+    arm = scale * (product(toward_elbow, upper) / norm(upper) + product(toward_wrist, lower) / norm(lower))
     half = MM_TO_M * (sizes["neck_base"] / (2 * np.pi) + _SHOULDER_RISE * sizes["shoulder"])
     return [
         (float(length - MM_TO_M * sizes["arm_length"]), arm + growth * length),

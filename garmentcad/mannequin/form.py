@@ -8,6 +8,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from garmentcad.arrays import floats, frozen, indices
+from garmentcad.geometry.portable import norm, product
 from garmentcad.geometry.triangulate import constrained_triangles
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.mannequin.smooth import averaging
@@ -26,8 +27,8 @@ def dress_form(body: Mannequin) -> Mannequin:
     vertices, part = body.vertices.copy(), body.face_part
     marks = body.landmarks
     up = np.cross(marks["neck_front"] - marks["nape"], [1.0, 0.0, 0.0])
-    up = up / np.linalg.norm(up) * np.sign(up[1])
-    high = (vertices[body.faces].mean(axis=1) - marks["nape"]) @ up > _NECK
+    up = up / norm(up) * np.sign(up[1])
+    high = product(vertices[body.faces].mean(axis=1) - marks["nape"], up) > _NECK
     head, torso = body.part_names.index("head"), body.part_names.index("torso")
     openings = [((part == head) & high, head), *((part == body.part_names.index(f"arm_{side}"), torso) for side in ("left", "right"))]
     openings = [(_without_ears(body.faces, cut), owner) for cut, owner in openings]
@@ -85,14 +86,14 @@ def _flat(rim: np.ndarray) -> np.ndarray:
     for _ in range(_ROUNDS):
         rim = 0.5 * rim + 0.25 * (np.roll(rim, 1, axis=0) + np.roll(rim, -1, axis=0))
     middle, normal = _plane(rim)
-    return rim - ((rim - middle) @ normal)[:, None] * normal
+    return rim - product(rim - middle, normal)[:, None] * normal
 
 
 def _plane(rim: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Middle and unit area vector of a loop; of a rim it points into the body, whose faces lie to the left of it."""
     middle = rim.mean(axis=0)
     normal = np.cross(rim - middle, np.roll(rim, -1, axis=0) - middle).sum(axis=0)
-    return middle, normal / np.linalg.norm(normal)
+    return middle, normal / norm(normal)
 
 
 def _evened(vertices: np.ndarray, faces: np.ndarray, rims: list[np.ndarray]) -> np.ndarray:
@@ -109,7 +110,7 @@ def _evened(vertices: np.ndarray, faces: np.ndarray, rims: list[np.ndarray]) -> 
     for _ in range(_ROUNDS):
         points = np.where(free[:, None], 0.5 * (points + average @ points), points)
         for rows, distance, middle, inward in near:
-            short = np.maximum(_BEHIND * distance[rows] - (points[rows] - middle) @ inward, 0.0)
+            short = np.maximum(_BEHIND * distance[rows] - product(points[rows] - middle, inward), 0.0)
             points[rows] += short[:, None] * inward
     moved = vertices.copy()
     moved[used] = points
@@ -120,9 +121,9 @@ def _cap(rim: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Inner points (I,3) and triangles (T,3) over the rim's and the inner points of the flat cap that closes it."""
     middle, normal = _plane(rim)
     first = np.cross(normal, [0.0, 0.0, 1.0])
-    first /= np.linalg.norm(first)
+    first /= norm(first)
     axes = np.stack([first, np.cross(normal, first)])
-    border = (rim - middle) @ axes.T
+    border = product(rim - middle, axes.T)
     steps = np.arange(-20, 21)
     across, along = np.meshgrid(steps, steps)
     lattice = _SPACING * np.column_stack([(across + 0.5 * (along % 2)).ravel(), 0.866 * along.ravel()])
@@ -133,4 +134,4 @@ def _cap(rim: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     count = len(border)
     # Seen from outside the cap turns against the rim of what stays.
     triangles = constrained_triangles(flat, np.column_stack([np.arange(count), np.roll(np.arange(count), -1)]))
-    return middle + lattice[inside] @ axes, triangles[:, ::-1]
+    return middle + product(lattice[inside], axes), triangles[:, ::-1]

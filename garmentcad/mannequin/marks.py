@@ -7,6 +7,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from garmentcad.geometry.portable import norm, product
 from garmentcad.mannequin.cylinder import enclosing, mirrored, on_floor
 from garmentcad.mannequin.human import HumanModel, Shape
 from garmentcad.mannequin.mannequin import ArrangementCylinder
@@ -51,20 +52,20 @@ def cylinders(model: HumanModel, body: Shape, heights: Mapping[str, float]) -> d
     leg = part("leg")
     leg = leg[leg[:, 1] > joints["ankle"][1]]
     shoulder, wrist = joints["shoulder"], joints["wrist"]
-    up = (shoulder - wrist) / np.linalg.norm(shoulder - wrist)
-    outward = _LEFT - (_LEFT @ up) * up
-    outward /= np.linalg.norm(outward)
+    up = (shoulder - wrist) / norm(shoulder - wrist)
+    outward = _LEFT - product(_LEFT, up) * up
+    outward /= norm(outward)
     arm = part("arm")
-    along = (arm - shoulder) @ up
-    arm = arm[(along < -0.05) & (along > -np.linalg.norm(shoulder - wrist))]
+    along = product(arm - shoulder, up)
+    arm = arm[(along < -0.05) & (along > -norm(shoulder - wrist))]
     base, axis = neck_plane(model, points)
     head = part("head")
-    head = head[(head - base) @ axis < 0.05]
+    head = head[product(head - base, axis) < 0.05]
     found = {
         "torso": enclosing(torso, on_floor(torso), _UP, _FRONT),
         "arm_left": enclosing(arm, shoulder, up, outward),
         "leg_left": enclosing(leg, on_floor(leg), _UP, _FRONT),
-        "neck": enclosing(np.vstack([head, head * _MIRROR]), base, axis, _FRONT - (_FRONT @ axis) * axis),
+        "neck": enclosing(np.vstack([head, head * _MIRROR]), base, axis, _FRONT - product(_FRONT, axis) * axis),
     }
     for name in ("arm", "leg"):
         found[f"{name}_right"] = mirrored(found[f"{name}_left"])
@@ -76,7 +77,7 @@ def measurements(model: HumanModel, body: Shape, sizes: Mapping[str, float], hei
     points = body.points
 
     def between(*names: str) -> float:
-        return M_TO_MM * float(sum(np.linalg.norm(marks[b] - marks[a]) for a, b in pairwise(names)))
+        return M_TO_MM * float(sum(norm(marks[b] - marks[a]) for a, b in pairwise(names)))
 
     found = girths_mm(model, body, heights)
     found["stature"] = M_TO_MM * float(points[:, 1].max() - points[:, 1].min())

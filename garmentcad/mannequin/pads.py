@@ -7,6 +7,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from garmentcad.errors import MannequinError
+from garmentcad.geometry.portable import product
 from garmentcad.mannequin.human import HumanModel, Shape
 from garmentcad.units import MM_TO_M
 
@@ -40,12 +41,12 @@ def pad_shoulders(model: HumanModel, body: Shape, pads: ShoulderPads, neck_side:
     line = tip - neck_side
     run = np.hypot(line[0], line[2])
     outward, slope = np.array([line[0], 0.0, line[2]]) / run, line[1] / run
-    along = (points - tip) @ outward
-    across = (points - tip) @ np.cross(outward, [0.0, 1.0, 0.0])
+    along = product(points - tip, outward)
+    across = product(points - tip, np.cross(outward, [0.0, 1.0, 0.0]))
     upward = np.clip(_normals(points, model.faces)[:, 1] / 0.5, 0.0, 1.0)
     thickness, length, width, overhang = (MM_TO_M * value for value in (pads.thickness, pads.length, pads.width, pads.overhang))
     rows = np.flatnonzero((np.abs(across) < _RIDGE) & (upward > 0.3) & (along > -length) & (along < overhang + 2 * _END) & (points[:, 1] > tip[1] - 0.1))
-    rows = rows[np.argsort(along[rows])]
+    rows = rows[np.argsort(along[rows], kind="stable")]
     ridge = np.interp(along, along[rows], points[rows, 1])  # height of the body under the shoulder line
     fallen = np.where(along > 0.0, np.maximum(tip[1] + slope * along - ridge, 0.0), 0.0)
     wedge = np.clip(1.0 + along / length, 0.0, 1.0) * thickness + fallen

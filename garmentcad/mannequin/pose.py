@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from garmentcad.errors import MannequinError
+from garmentcad.geometry.portable import arctan2, norm, product
 from garmentcad.mannequin.human import HumanModel, Shape
 
 ARM_ANGLE_DEG = 45.0
@@ -24,7 +25,7 @@ def pose_arms(model: HumanModel, body: Shape, angle_deg: float) -> Shape:
     if not MIN_ARM_ANGLE_DEG <= angle_deg <= MAX_ARM_ANGLE_DEG:
         raise MannequinError(f"an arm angle of {angle_deg:g} degrees is refused; allowed: {MIN_ARM_ANGLE_DEG:g} to {MAX_ARM_ANGLE_DEG:g}", key="arm_angle")
     shoulder, wrist = body.joints["shoulder"], body.joints["wrist"]
-    turn = np.radians(angle_deg) - np.arctan2(wrist[0] - shoulder[0], shoulder[1] - wrist[1])
+    turn = np.radians(angle_deg) - arctan2(wrist[0] - shoulder[0], shoulder[1] - wrist[1])
     points = _turned(body.points, shoulder, turn * model.arm_weight)
     joints = dict(body.joints)
     for name in ("elbow", "wrist"):
@@ -37,14 +38,14 @@ def stretch_arms(model: HumanModel, body: Shape, length: float) -> Shape:
     points, joints = body.points, body.joints
     shoulder, tip = joints["shoulder"], points[model.landmarks["shoulder_point"]]
     along = joints["wrist"] - shoulder
-    along = along / np.linalg.norm(along)
+    along = along / norm(along)
 
     def stretched(place: np.ndarray, more: float) -> np.ndarray:
-        return place + more * ((place - shoulder) @ along)[..., None] * along
+        return place + more * product(place - shoulder, along)[..., None] * along
 
     def reach(more: float) -> float:
         elbow, wrist = stretched(joints["elbow"], more), stretched(joints["wrist"], more)
-        return float(np.linalg.norm(elbow - tip) + np.linalg.norm(wrist - elbow))
+        return norm(elbow - tip) + norm(wrist - elbow)
 
     more = 0.0
     for _ in range(4):  # nearly linear

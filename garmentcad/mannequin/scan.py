@@ -10,6 +10,7 @@ import numpy as np
 
 from garmentcad.arrays import floats, frozen, indices
 from garmentcad.errors import MannequinError
+from garmentcad.geometry.portable import norm, product
 from garmentcad.mannequin.cylinder import enclosing, on_floor
 from garmentcad.mannequin.mannequin import ArrangementCylinder, Mannequin
 from garmentcad.mannequin.tape import cut, tape
@@ -121,7 +122,7 @@ def _landmarks(points: np.ndarray, faces: np.ndarray, heights: dict[str, float],
 
 def _neck_normal(marks: dict[str, np.ndarray]) -> np.ndarray:
     normal = np.cross(marks["neck_front"] - marks["nape"], [1.0, 0.0, 0.0])
-    normal /= np.linalg.norm(normal)
+    normal /= norm(normal)
     return normal * np.sign(normal[1])
 
 
@@ -129,7 +130,7 @@ def _parts(points: np.ndarray, faces: np.ndarray, marks: dict[str, np.ndarray]) 
     """Arms beyond the planes through shoulder point and armpit, legs below the crotch, head above the neck base plane."""
     centre = points[faces].mean(1)
     part = np.zeros(len(faces), np.int32)
-    part[(centre - marks["nape"]) @ _neck_normal(marks) > 0] = PART_NAMES.index("head")
+    part[product(centre - marks["nape"], _neck_normal(marks)) > 0] = PART_NAMES.index("head")
     part[centre[:, 1] < marks["crotch"][1]] = np.where(centre[:, 0] > 0, PART_NAMES.index("leg_left"), PART_NAMES.index("leg_right"))[
         centre[:, 1] < marks["crotch"][1]
     ]
@@ -148,10 +149,10 @@ def _measurements(
         return faces[np.isin(part, [PART_NAMES.index(name) for name in names])]
 
     def girth(chosen: np.ndarray, origin: np.ndarray, normal: np.ndarray) -> float:
-        return M_TO_MM * tape(points, chosen, origin, normal / np.linalg.norm(normal)).girth
+        return M_TO_MM * tape(points, chosen, origin, normal / norm(normal)).girth
 
     def between(*names: str) -> float:
-        return M_TO_MM * float(sum(np.linalg.norm(marks[b] - marks[a]) for a, b in pairwise(names)))
+        return M_TO_MM * float(sum(norm(marks[b] - marks[a]) for a, b in pairwise(names)))
 
     found = {name: girth(of("torso"), heights[name] * _UP, _UP) for name in ("bust", "waist", "hip")}
     found["thigh"] = girth(of("leg_left"), (heights["crotch"] - 0.02) * _UP, _UP)
@@ -186,7 +187,7 @@ def _cylinders(
     head = of("head")
     found = {
         "torso": enclosing(torso, on_floor(torso), _UP, _FRONT),
-        "neck": enclosing(head[(head - base) @ axis < 0.05], base, axis, _FRONT - (_FRONT @ axis) * axis),
+        "neck": enclosing(head[product(head - base, axis) < 0.05], base, axis, _FRONT - product(_FRONT, axis) * axis),
     }
     for side, sign in (("left", 1.0), ("right", -1.0)):
         leg = of(f"leg_{side}")
@@ -194,10 +195,10 @@ def _cylinders(
         found[f"leg_{side}"] = enclosing(leg, on_floor(leg), _UP, _FRONT)
         shoulder = marks[f"shoulder_point_{side}"] - [0.0, 0.03 * marks["nape"][1], 0.0]
         up = shoulder - marks[f"wrist_{side}"]
-        length = np.linalg.norm(up)
+        length = norm(up)
         up = up / length
         outward = sign * np.array([1.0, 0.0, 0.0])
         arm = of(f"arm_{side}")
-        along = (arm - shoulder) @ up
-        found[f"arm_{side}"] = enclosing(arm[(along < -0.05) & (along > -length)], shoulder, up, outward - (outward @ up) * up)
+        along = product(arm - shoulder, up)
+        found[f"arm_{side}"] = enclosing(arm[(along < -0.05) & (along > -length)], shoulder, up, outward - product(outward, up) * up)
     return found

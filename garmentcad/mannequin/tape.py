@@ -9,6 +9,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from garmentcad.arrays import unique_pairs
 from garmentcad.errors import MannequinError
+from garmentcad.geometry.portable import norm, product
 
 
 class Section(NamedTuple):
@@ -30,7 +31,7 @@ class Taped(NamedTuple):
 
 def cut(points: np.ndarray, faces: np.ndarray, origin: np.ndarray, normal: np.ndarray) -> Section:
     """Section of the faces (K,3) with the plane through origin; a point for every crossed edge of every face (shared edges stand twice)."""
-    height = (points - origin) @ normal
+    height = product(points - origin, normal)
     above = height[faces] > 0.0
     crossed = np.flatnonzero((above[:, 0] != above[:, 1]) | (above[:, 1] != above[:, 2]))
     faces, above = faces[crossed], above[crossed]
@@ -43,8 +44,8 @@ def cut(points: np.ndarray, faces: np.ndarray, origin: np.ndarray, normal: np.nd
 def plane_axes(normal: np.ndarray) -> np.ndarray:
     """(2,3) unit vectors that span the plane across `normal`; x is the first where the plane contains it."""
     first = np.array([1.0, 0.0, 0.0]) if abs(normal[0]) < 0.9 else np.array([0.0, 0.0, 1.0])
-    first = first - (first @ normal) * normal
-    first /= np.linalg.norm(first)
+    first = first - product(first, normal) * normal
+    first /= norm(first)
     return np.stack([first, np.cross(normal, first)])
 
 
@@ -57,10 +58,10 @@ def tape(points: np.ndarray, faces: np.ndarray, origin: np.ndarray, normal: np.n
     if len(section.points) < 3:
         raise MannequinError(f"a tape in the plane through {np.round(origin, 3).tolist()} m does not meet the body")
     axes = plane_axes(normal)
-    flat = section.points @ axes.T
+    flat = product(section.points, axes.T)
     count = len(flat)
     if mirrored:
-        flat = np.vstack([flat, (section.points * [-1.0, 1.0, 1.0]) @ axes.T])
+        flat = np.vstack([flat, product(section.points * [-1.0, 1.0, 1.0], axes.T)])
     try:
         ring = ConvexHull(flat).vertices
     except QhullError:
@@ -68,7 +69,7 @@ def tape(points: np.ndarray, faces: np.ndarray, origin: np.ndarray, normal: np.n
     steps = flat[np.roll(ring, -1)] - flat[ring]
     lengths = np.sqrt((steps**2).sum(1))
     tangents = steps / lengths[:, None]
-    pull = (np.roll(tangents, 1, axis=0) - tangents) @ axes
+    pull = product(np.roll(tangents, 1, axis=0) - tangents, axes)
     gradient = np.zeros((count, 3))
     np.add.at(gradient, ring % count, np.where((ring < count)[:, None], pull, pull * [-1.0, 1.0, 1.0]))
     return Taped(float(lengths.sum()), section, gradient)

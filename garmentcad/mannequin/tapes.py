@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from garmentcad.geometry.portable import norm
 from garmentcad.mannequin.human import HumanModel, Shape
 from garmentcad.mannequin.tape import Taped, tape
 from garmentcad.units import MM_TO_M
@@ -28,14 +29,14 @@ class Plane(NamedTuple):
 def arm_axes(joints: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
     """Unit directions of the upper arm and the forearm, away from the shoulder."""
     upper, lower = joints["elbow"] - joints["shoulder"], joints["wrist"] - joints["elbow"]
-    return upper / np.linalg.norm(upper), lower / np.linalg.norm(lower)
+    return upper / norm(upper), lower / norm(lower)
 
 
 def neck_plane(model: HumanModel, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Neck base: the plane through nape (C7) and front neck point that holds the x direction; its normal points up."""
     nape, front = points[model.landmarks["nape"]], points[model.landmarks["neck_front"]]
     normal = np.cross(front - nape, [1.0, 0.0, 0.0])
-    normal /= np.linalg.norm(normal)
+    normal /= norm(normal)
     return 0.5 * (nape + front), normal * np.sign(normal[1])
 
 

@@ -12,6 +12,7 @@ from scipy.optimize import brentq
 
 from garmentcad.errors import SpecError, did_you_mean
 from garmentcad.geometry.curve import Curve
+from garmentcad.geometry.portable import product
 from garmentcad.pattern.outline import finish_loop
 from garmentcad.pattern.pattern import Edge, FoldLine, Panel
 from garmentcad.pattern.scope import Scope
@@ -111,5 +112,5 @@ def meeting(curve: Curve, drawn: np.ndarray, a: np.ndarray, b: np.ndarray) -> li
         return []  # it runs along the line
     found = [float(at) for at in _SAMPLED[side == 0.0]]
     found += [float(brentq(beside, _SAMPLED[k], _SAMPLED[k + 1])) for k in np.flatnonzero(side[:-1] * side[1:] < 0.0)]
-    reach = (np.array([curve.points_at(at)[0] for at in found]).reshape(-1, 2) - a) @ along
+    reach = product(np.array([curve.points_at(at)[0] for at in found]).reshape(-1, 2) - a, along)
     return sorted(at for at, way in zip(found, reach) if -_SAME_MM <= way <= math.dist(a, b) + _SAME_MM)

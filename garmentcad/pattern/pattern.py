@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from garmentcad.geometry.curve import Curve
+from garmentcad.geometry.portable import product
 
 
 @dataclass(frozen=True)
@@ -88,7 +89,7 @@ class Transform:
         about_x = np.array([[1.0, 0.0, 0.0], [0.0, cx, -sx], [0.0, sx, cx]])
         about_y = np.array([[cy, 0.0, sy], [0.0, 1.0, 0.0], [-sy, 0.0, cy]])
         about_z = np.array([[cz, -sz, 0.0], [sz, cz, 0.0], [0.0, 0.0, 1.0]])
-        return about_z @ about_y @ about_x
+        return product(product(about_z, about_y), about_x)
 
 
 @dataclass(frozen=True)

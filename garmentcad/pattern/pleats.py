@@ -15,6 +15,7 @@ import numpy as np
 
 from garmentcad.errors import SpecError
 from garmentcad.geometry.curve import Line, Point
+from garmentcad.geometry.portable import product
 from garmentcad.pattern.darts import find_edge, place_fraction
 from garmentcad.pattern.fold import cut_edge, draft_share, draft_strength, meeting, sampled
 from garmentcad.pattern.pattern import Edge, EdgeUse, FoldLine, Panel, Seam
@@ -98,7 +99,7 @@ def _folds(spec: PleatsSpec, edge: Edge, edges: Sequence[Edge], marks: Sequence[
             hits = [other.curve.points_at(at)[0] for other, points in drawn for at in meeting(other.curve, points, *ray)]
             if not hits:
                 raise SpecError(f"the folds of pleat {k + 1} run from edge {spec.edge!r} across the panel and meet no other edge of it", key=key)
-            end = min(hits, key=lambda hit: float((hit - begin) @ inward))
+            end = min(hits, key=lambda hit: float(product(hit - begin, inward)))
             found.append(FoldLine(f"{spec.name}_{k + 1}{name}", np.array([begin, end]), turn, *more))
     return found
 
@@ -113,7 +114,7 @@ def _cut(spec: PleatsSpec, edge: Edge, marks: Sequence[tuple[float, float, float
                 cuts.append((place / length, f"{spec.name}_{k + 1}{suffix}"))
     pieces = []
     for piece in cut_edge(edge, sorted(cuts)):
-        middle = (np.array(piece.curve.start) + np.array(piece.curve.end) - 2.0 * np.array(edge.curve.start)) / 2.0 @ edge.curve.tangents_at(0.5)[0]
+        middle = product((np.array(piece.curve.start) + np.array(piece.curve.end) - 2.0 * np.array(edge.curve.start)) / 2.0, edge.curve.tangents_at(0.5)[0])
         for k, (_, fold, under, again) in enumerate(marks):
             for suffix, a, b in (("_leg_a", fold, under), ("_leg_b", under, again)):
                 if min(a, b) < middle < max(a, b):

@@ -11,6 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from garmentcad.cloth.cloth import Cloth
+from garmentcad.geometry.portable import product
 from garmentcad.mannequin.mannequin import ArrangementCylinder, Mannequin
 from garmentcad.pattern.pattern import Pattern, Wrap
 from garmentcad.units import M_TO_MM
@@ -44,7 +45,7 @@ def around_worn(pattern: Pattern, cloth: Cloth, positions: np.ndarray, mannequin
 
 def _lack(cylinder: ArrangementCylinder, worn: np.ndarray, placed: np.ndarray) -> float:
     """By how much points `placed` (N,3) are less than CLEAR_M outside triangles `worn` (T,3,3) at their height, m; 0 where they are not."""
-    heights, own = ((points - cylinder.origin) @ cylinder.up for points in (worn, placed))
+    heights, own = (product(points - cylinder.origin, cylinder.up) for points in (worn, placed))
     lowest = min(heights.min(), own.min())
     slices, mine = (np.floor((along - lowest) / _SLICE_M).astype(np.int64) + _BESIDE for along in (heights, own))
     reach = np.full(max(slices.max(), mine.max()) + _BESIDE + 1, -np.inf)
@@ -59,7 +60,7 @@ def _lack(cylinder: ArrangementCylinder, worn: np.ndarray, placed: np.ndarray) -
 def outside(cylinder: ArrangementCylinder, points: np.ndarray) -> np.ndarray:
     """By how much both radii of the cylinder must grow for its surface to go through each of points (N,3), m; negative inside it."""
     away = points - cylinder.origin
-    ref, side = away @ cylinder.ref, away @ np.cross(cylinder.up, cylinder.ref)
+    ref, side = product(away, cylinder.ref), product(away, np.cross(cylinder.up, cylinder.ref))
     low, high = np.full(len(points), -min(cylinder.radius_ref, cylinder.radius_side)), np.full(len(points), _FAR_M)
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)

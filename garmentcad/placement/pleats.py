@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from garmentcad.geometry.portable import product
 from garmentcad.pattern.pattern import Panel, Wrap
 
 LIFT_MM = 12.0  # of the folds that are seen over the under folds: an estimate, wide enough for contact between the layers of a pleat
@@ -27,9 +28,9 @@ def folded(panel: Panel, uv_mm: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     beside = np.einsum("nfk,fk->nf", uv_mm[:, None] - start, across)
     beyond = beside * np.where(home < 0.0, -1.0, 1.0) < 0.0
     placed = uv_mm.copy()
-    for k in np.argsort(-np.abs(home)):
+    for k in np.argsort(-np.abs(home), kind="stable"):
         rows = beyond[:, k]
-        placed[rows] -= 2.0 * ((placed[rows] - start[k]) @ across[k])[:, None] * across[k]
+        placed[rows] -= 2.0 * product(placed[rows] - start[k], across[k])[:, None] * across[k]
     seen = np.array([fold.angle_deg < 0.0 for fold in folds])
     to_seen, to_under = (np.abs(beside[:, kind]).min(axis=1) for kind in (seen, ~seen))
     return placed, LIFT_MM * to_under / np.maximum(to_seen + to_under, 1e-9)

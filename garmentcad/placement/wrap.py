@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from garmentcad.geometry.portable import arctan2, product
 from garmentcad.mannequin.mannequin import ArrangementCylinder
 from garmentcad.pattern.pattern import Transform, Wrap
 from garmentcad.units import MM_TO_M
@@ -15,7 +16,7 @@ def wrap_points(uv_mm: np.ndarray, wrap: Wrap, cylinder: ArrangementCylinder, li
     """Points (N,2) of a panel in mm to world points (N,3) in m, by the rule `wrap` on `cylinder` (see `Wrap`). lift_mm (N,): how much farther out."""
     turn = np.deg2rad(wrap.turn_deg)
     rotation = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
-    local = (uv_mm - np.asarray(wrap.anchor_mm)) @ rotation.T * MM_TO_M
+    local = product(uv_mm - np.asarray(wrap.anchor_mm), rotation.T) * MM_TO_M
     radius_ref = (cylinder.radius_ref + wrap.offset_mm * MM_TO_M) * wrap.scale
     radius_side = (cylinder.radius_side + wrap.offset_mm * MM_TO_M) * wrap.scale
     height, lift = wrap.height_mm * MM_TO_M, np.asarray(lift_mm) * MM_TO_M
@@ -37,7 +38,7 @@ def _on_cone(local: np.ndarray, angle: float, height: float, radius: float, half
     slant = radius / np.sin(half_angle)  # from the anchor up to the apex; negative where that lies below
     from_apex = local - np.array([0.0, slant])
     distance = np.sign(half_angle) * np.hypot(from_apex[:, 0], from_apex[:, 1])
-    bearing = np.arctan2(np.sign(half_angle) * from_apex[:, 0], -np.sign(half_angle) * from_apex[:, 1])
+    bearing = arctan2(np.sign(half_angle) * from_apex[:, 0], -np.sign(half_angle) * from_apex[:, 1])
     return angle + bearing / np.sin(half_angle), height + (slant - distance) * np.cos(half_angle), distance * np.sin(half_angle)
 
 
@@ -58,4 +59,4 @@ def _angle_at_arc_length(arc: np.ndarray, start: float, radius_ref: float, radiu
 def transform_points(uv_mm: np.ndarray, transform: Transform, lift_mm: np.ndarray | float = 0.0) -> np.ndarray:
     """Points (N,2) of a panel in mm to world points (N,3) in m: x = Rz Ry Rx (u, v, lift) + t."""
     flat = np.column_stack([uv_mm, np.broadcast_to(lift_mm, len(uv_mm))])
-    return (flat @ transform.matrix.T + np.asarray(transform.translation_mm)) * MM_TO_M
+    return (product(flat, transform.matrix.T) + np.asarray(transform.translation_mm)) * MM_TO_M

@@ -219,7 +219,7 @@ class Course:
         if left is None:
             return None
         before, then = state.run.get("eta_log"), state.run.get("eta_time_s")
-        log = float(np.log10(max(left.rms_g, 1e-12)))
+        log = math.log10(max(left.rms_g, 1e-12))
         if before is None or then is None:
             state.run["eta_log"], state.run["eta_time_s"] = log, state.time_s
             return None

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from garmentcad.geometry.portable import norm
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.pattern import Transform, Wrap
 from garmentcad.simulation.job import Job
@@ -27,7 +28,7 @@ def displaced(job: Job, seed: int) -> Job:
 
 def _moved(rule: Wrap | Transform, body: Mannequin, rng: np.random.Generator) -> Wrap | Transform:
     direction = rng.standard_normal(3)
-    way = DISPLACED_MM * rng.uniform() ** (1 / 3) * direction / np.linalg.norm(direction)
+    way = DISPLACED_MM * rng.uniform() ** (1 / 3) * direction / norm(direction)
     turn = rng.uniform(-TURNED_DEG, TURNED_DEG)
     if isinstance(rule, Transform):
         x, y, z = np.asarray(rule.translation_mm) + way

@@ -293,5 +293,5 @@ class Dynamics:
     def measures(self, state: State) -> tuple[float, float, float]:
         """Kinetic energy J, largest speed m/s, RMS speed m/s (mass-weighted)."""
         squares = (state.velocities**2).sum(axis=1)
-        energy = 0.5 * float(self.cloth.masses @ squares)
+        energy = 0.5 * float((self.cloth.masses * squares).sum())
         return energy, math.sqrt(squares.max(initial=0.0)), math.sqrt(2.0 * energy / float(self.cloth.masses.sum()))

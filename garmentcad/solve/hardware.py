@@ -25,6 +25,7 @@ from garmentcad.errors import SpecError, did_you_mean
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.button import Shanks, tilts
 from garmentcad.forces.time_step import DAMPING_RATIO
+from garmentcad.geometry.portable import norm, product
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.pattern import Panel, PanelPoint, Pattern, Pin
 from garmentcad.units import M_TO_MM, MM_TO_M
@@ -76,7 +77,8 @@ def hardware_rows(pattern: Pattern, cloth: Cloth, materials: MaterialTable, body
         np.array([*np.zeros(len(pins)), *(button.order for button in pattern.buttons)]),
     )
     held = {
-        pin.name: target - weights @ body.vertices[nodes - cloth.particle_count] for pin, (_, nodes, weights, target) in zip(pattern.pins, pins, strict=True)
+        pin.name: target - product(weights, body.vertices[nodes - cloth.particle_count])
+        for pin, (_, nodes, weights, target) in zip(pattern.pins, pins, strict=True)
     }
     for found in dependences(rows, cloth.particle_count, body.vertices):
         if found.conflicting:
@@ -152,7 +154,7 @@ def _pin_rows(pattern: Pattern, cloth: Cloth, materials: MaterialTable, body: Ma
             rows.append(_PinRow(at, np.empty(0, np.int64), np.empty(0), MM_TO_M * np.array(pin.offset_mm)))
             continue
         clear = float(gap[at.particles].max())
-        target = foot.above if foot.above @ foot.normal > clear else clear * foot.normal
+        target = foot.above if product(foot.above, foot.normal) > clear else clear * foot.normal
         rows.append(_PinRow(at, cloth.particle_count + foot.nodes, -foot.weights, target))
     return rows
 
@@ -169,7 +171,7 @@ def _foot(pin: Pin, body: Mannequin) -> _Foot:
     normal = np.cross(corners[face, 1] - corners[face, 0], corners[face, 2] - corners[face, 0])
     weights = trimesh.triangles.points_to_barycentric(corners[face][None], closest[face][None])[0]
     around = cKDTree(body.vertices).query(closest[face], k=_AROUND)[1]
-    return _Foot(body.faces[face].astype(np.int64), weights, normal / np.linalg.norm(normal), wanted - closest[face], around)
+    return _Foot(body.faces[face].astype(np.int64), weights, normal / norm(normal), wanted - closest[face], around)
 
 
 def _refuse_out_of_reach(pattern: Pattern, materials: MaterialTable, targets: dict[str, np.ndarray]) -> None:
@@ -182,7 +184,7 @@ def _refuse_out_of_reach(pattern: Pattern, materials: MaterialTable, targets: di
         warp = np.radians(panel.grain_deg)
         du, dv = np.array(b.at.uv_mm) - np.array(a.at.uv_mm)
         reach = abs(-np.sin(warp) * du + np.cos(warp) * dv) * longest[WARP] + abs(np.cos(warp) * du + np.sin(warp) * dv) * longest[WEFT]
-        apart = M_TO_MM * float(np.linalg.norm(targets[a.name] - targets[b.name]))
+        apart = M_TO_MM * norm(targets[a.name] - targets[b.name])
         if apart > reach + 1.0 and _whole_between(panel, a, b):
             message = f"pins '{a.name}' and '{b.name}' contradict each other: they are {apart:.0f} mm apart, and the cloth between them reaches {reach:.0f} mm"
             raise SpecError(message, key=f"pins.{b.name}")
