@@ -23,8 +23,11 @@ OPTIONS = ("--grid", "20")
 OWN = "this one"
 PROCESSORS = {
     OWN: {},
-    "without AVX-512": {"OPENBLAS_CORETYPE": "Haswell", "NPY_DISABLE_CPU_FEATURES": " ".join(name for name in __cpu_dispatch__ if name != "X86_V3")},
-    "x86-64 of 2008": {"OPENBLAS_CORETYPE": "Prescott", "NPY_DISABLE_CPU_FEATURES": " ".join(__cpu_dispatch__)},
+    "numpy and BLAS without AVX-512": {
+        "OPENBLAS_CORETYPE": "Haswell",
+        "NPY_DISABLE_CPU_FEATURES": " ".join(name for name in __cpu_dispatch__ if name != "X86_V3"),
+    },
+    "numpy and BLAS of 2008": {"OPENBLAS_CORETYPE": "Prescott", "NPY_DISABLE_CPU_FEATURES": " ".join(__cpu_dispatch__)},
     "kernels for any x86-64": {"NUMBA_CPU_NAME": "generic", "NUMBA_CPU_FEATURES": ""},
 }
 RUNS = (*((OWN, threads) for threads in (1, 2, 2, 2, 4)), *((name, 2) for name in PROCESSORS if name != OWN))

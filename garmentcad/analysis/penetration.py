@@ -10,6 +10,7 @@ from numba import prange
 from scipy.spatial import cKDTree
 
 from garmentcad.arrays import entry, floats, indices, kernel, parallel_kernel
+from garmentcad.geometry.angle import arctan2
 from garmentcad.units import M_TO_MM
 
 _CLUSTER = 4  # faces in a box
@@ -98,7 +99,7 @@ def _angle_sums(vertices: np.ndarray, faces: np.ndarray, own: np.ndarray) -> np.
     sums = np.zeros_like(vertices)
     for k in range(3):
         e, f = corners[:, k - 2] - corners[:, k], corners[:, k - 1] - corners[:, k]
-        angle = np.arctan2(np.linalg.norm(np.cross(e, f), axis=1), (e * f).sum(axis=1))
+        angle = arctan2(np.linalg.norm(np.cross(e, f), axis=1), (e * f).sum(axis=1))
         for axis in range(3):
             sums[:, axis] += np.bincount(faces[:, k], angle * own[:, axis], len(vertices))
     return sums

@@ -20,7 +20,7 @@ from scipy.spatial import cKDTree
 from garmentcad.arrays import floats, indices
 from garmentcad.cloth.cloth import WARP, WEFT, BendLines
 from garmentcad.cloth.panel_mesh import PanelMesh, neighbors
-from garmentcad.geometry.portable import arctan2
+from garmentcad.geometry.angle import arctan2
 from garmentcad.geometry.triangle import signed_areas
 from garmentcad.units import MM_TO_M
 

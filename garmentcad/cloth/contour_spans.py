@@ -16,7 +16,7 @@ import numpy as np
 from garmentcad.arrays import floats, indices
 from garmentcad.cloth.cloth import ContourSpans
 from garmentcad.cloth.panel_mesh import PanelMesh
-from garmentcad.geometry.portable import arctan2
+from garmentcad.geometry.angle import arctan2
 from garmentcad.units import MM_TO_M
 
 _LARGEST_TURN_DEG = 30.0  # of the contour at the two middle points; a span does not reach around a corner

@@ -14,7 +14,6 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from garmentcad.constraints.points import PointRows
-from garmentcad.geometry.portable import norm, product
 
 _DEPENDENT = 1e-6  # of a row's length that no combination of others reaches
 _COUNTS = 1e-6  # a smaller share of a row in another is round-off
@@ -58,10 +57,10 @@ def _within(matrix: np.ndarray, targets: np.ndarray, shank: np.ndarray, names: l
         rank = len(sound)
         share, left = np.zeros(rank), row
         for _ in range(2):  # once more, against round-off
-            step = product(basis[:rank], left)
-            share, left = share + step, left - product(step, basis[:rank])
-        length = norm(left)
-        if length > _DEPENDENT * norm(row):
+            step = basis[:rank] @ left
+            share, left = share + step, left - step @ basis[:rank]
+        length = float(np.linalg.norm(left))
+        if length > _DEPENDENT * float(np.linalg.norm(row)):
             basis[rank], triangle[:rank, rank], triangle[rank, rank] = left / length, share, length
             sound.append(k)
             continue
@@ -69,8 +68,8 @@ def _within(matrix: np.ndarray, targets: np.ndarray, shank: np.ndarray, names: l
         used = np.abs(share) > _COUNTS
         others = np.array(sound)[used]
         # a shank may point anywhere
-        slack = float(shank[k] + product(np.abs(share[used]), shank[others]))
-        off = norm(targets[k] - product(share[used], targets[others])) - slack
+        slack = float(shank[k] + np.abs(share[used]) @ shank[others])
+        off = float(np.linalg.norm(targets[k] - share[used] @ targets[others])) - slack
         chosen = tuple(dict.fromkeys(names[n] for n in sorted([*others.tolist(), k])))
         found.append(Dependence(chosen, off if off > _MET_M else 0.0))
     return found

@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from garmentcad.arrays import floats, frozen, indices, unique_pairs
+from garmentcad.geometry.angle import arcsin
 from garmentcad.geometry.closest import EDGE, FACE
-from garmentcad.geometry.portable import arccos
 
 _SMOOTHINGS = 3  # of the vertex curvature over the neighbours
 
@@ -40,7 +40,7 @@ def pseudo_normals(vertices: np.ndarray, faces: np.ndarray, edge: np.ndarray) ->
     for corner in range(3):
         to_next = _unit(corners[:, (corner + 1) % 3] - corners[:, corner])
         to_last = _unit(corners[:, (corner + 2) % 3] - corners[:, corner])
-        angle = arccos(np.clip((to_next * to_last).sum(axis=1), -1.0, 1.0))
+        angle = 0.5 * np.pi - arcsin(np.clip((to_next * to_last).sum(axis=1), -1.0, 1.0))
         angled.append(angle[:, None] * flat)
     vertex_normal = _sums(faces.T.ravel(), np.concatenate(angled), len(vertices))
     edge_normal = _sums(edge, np.repeat(flat, 3, axis=0), int(edge.max(initial=-1)) + 1)

@@ -31,7 +31,7 @@ from garmentcad.fabric.law_bending import STICK
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.force import CURVES, NO_PARTICLE, Gauge, OneLaw
 from garmentcad.forces.rows import PART, LatticeSlots
-from garmentcad.forces.smooth import angle_over_sine, arc_tangents
+from garmentcad.geometry.angle import angle_over_sine, arctan2
 from garmentcad.geometry.vectors import dots, lengths, picked
 
 SHORTEST = 1e-2  # arms shorter than this part of their rest length lose their force, so that it stays finite where an arm vanishes
@@ -275,7 +275,7 @@ class ForceBend(OneLaw):
 
     def _angle_and_arms(self, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         arm_a, arm_b = self._arms(positions)
-        angle = arc_tangents(lengths(np.cross(arm_a, arm_b)), dots(arm_a, arm_b))
+        angle = arctan2(lengths(np.cross(arm_a, arm_b)), dots(arm_a, arm_b))
         arms = np.column_stack([lengths(arm_a), lengths(arm_b)])
         return angle, np.maximum(arms, SHORTEST * self._rest)
 

@@ -25,7 +25,7 @@ from garmentcad.fabric.material import MaterialTable, bending_along, bending_fri
 from garmentcad.forces.bend import stored
 from garmentcad.forces.force import CURVES, Gauge, OneLaw
 from garmentcad.forces.rows import PART
-from garmentcad.forces.smooth import angle_over_sine, arc_tangents
+from garmentcad.geometry.angle import angle_over_sine, arctan2
 
 LEAST_LENGTH = 1e-15  # m, floor of an edge's length in divisions
 LEAST_AREA2 = 1e-30  # m4, floor of squared normals: a wing on the sew line has no plane, and gets no force
@@ -145,7 +145,7 @@ class ForceHinge(OneLaw):
         edge = end - start
         length = np.linalg.norm(edge, axis=1)
         m, n = np.cross(edge, a - start), np.cross(b - start, edge)
-        angle = arc_tangents(length * np.sum((b - start) * m, axis=1), np.sum(m * n, axis=1))
+        angle = arctan2(length * np.sum((b - start) * m, axis=1), np.sum(m * n, axis=1))
         gradients = np.zeros((len(angle), 4))
         for k, wing, normal in ((2, a, m), (3, b, n)):
             inverse = 1.0 / np.sqrt(np.maximum(np.sum(normal * normal, axis=1), LEAST_AREA2))

@@ -22,7 +22,7 @@ from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.arcs import MOST, NEIGHBOURS, SHARE, bow_and_crossing, limited
 from garmentcad.forces.force import NO_PARTICLE
 from garmentcad.forces.rows import LatticeSlots
-from garmentcad.forces.smooth import angle_over_sine, arc_sines
+from garmentcad.geometry.angle import angle_over_sine, arcsin
 from garmentcad.geometry.vectors import dots, lengths, picked
 
 SHORTEST = 1e-2  # floor of |u|, |w| (1 at rest): below it a cell has collapsed and its angle means nothing
@@ -179,4 +179,4 @@ def angle_and_lengths(warp: np.ndarray, weft: np.ndarray) -> tuple[np.ndarray, n
     warp_length = np.maximum(lengths(warp), SHORTEST)
     weft_length = np.maximum(lengths(weft), SHORTEST)
     sine = dots(warp, weft) / (warp_length * weft_length)
-    return arc_sines(np.clip(sine, -1.0, 1.0)), warp_length, weft_length
+    return arcsin(np.clip(sine, -1.0, 1.0)), warp_length, weft_length

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from garmentcad.errors import MannequinError
-from garmentcad.geometry.portable import arctan2, norm, product
+from garmentcad.geometry.angle import arctan2
+from garmentcad.geometry.portable import norm, product
 from garmentcad.mannequin.human import HumanModel, Shape
 
 ARM_ANGLE_DEG = 45.0

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from garmentcad.geometry.portable import arctan2, product
+from garmentcad.geometry.angle import arctan2
+from garmentcad.geometry.portable import product
 from garmentcad.mannequin.mannequin import ArrangementCylinder
 from garmentcad.pattern.pattern import Transform, Wrap
 from garmentcad.units import MM_TO_M
