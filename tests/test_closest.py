@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import igl
 import numpy as np
 import pytest
+import trimesh
 
-from garmentcad.geometry.closest import CORNER, EDGE, FACE, point_segment, point_triangle, segment_segment
+from garmentcad.geometry.closest import CORNER, EDGE, FACE, closest_face, point_segment, point_triangle, segment_segment
 
 
 def as_tuple(point: np.ndarray) -> tuple[float, float, float]:
@@ -86,3 +88,17 @@ def test_segment_segment_closed_forms() -> None:
     assert segment_segment(o, x, (0.5, 0.0, 0.0), (3.0, 0.0, 0.0))[2] == 0.0  # on one line
     assert segment_segment(o, o, x, x) == (0.0, 0.0, 1.0)
     assert segment_segment(o, x, (0.5, 0.0, 0.0), (0.5, 1e-300, 0.0))[2] == 0.0
+
+
+def test_closest_face_is_that_of_libigl() -> None:
+    body = trimesh.creation.icosphere(subdivisions=2)
+    body.vertices *= [1.0, 2.0, 0.5]
+    points = np.random.default_rng(5).uniform(-2.5, 2.5, (60, 3))
+    squares, _, closest = igl.point_mesh_squared_distance(points, np.array(body.vertices), np.array(body.faces))
+    for point, there, away in zip(points, closest, np.sqrt(squares)):
+        face, *weights = closest_face(point, np.array(body.vertices), np.array(body.faces, dtype=np.int32))
+        found = np.array(weights) @ body.vertices[body.faces[face]]
+        assert min(weights) >= 0.0
+        assert sum(weights) == pytest.approx(1.0, abs=1e-12)
+        assert np.linalg.norm(found - point) == pytest.approx(away, abs=1e-9)
+        assert np.allclose(found, there, rtol=0, atol=1e-7)

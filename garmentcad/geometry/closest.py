@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from garmentcad.arrays import kernel
+from garmentcad.arrays import entry, kernel
 
 CORNER, EDGE, FACE = 0, 3, 6  # feature of a triangle: CORNER + 0..2, EDGE + 0..2 (ab, bc, ca), FACE
 _FLAT = 1e-10  # squared sine below which a triangle or a pair of segments counts as degenerate (an angle of 1e-5)
@@ -101,6 +101,19 @@ def point_triangle(p, a, b, c):  # type: ignore[no-untyped-def]
         return 0.0, 1.0 - t1, t1, d1, feature
     feature = EDGE + 2 if 0.0 < t2 < 1.0 else (CORNER + 2 if t2 == 0.0 else CORNER)
     return t2, 0.0, 1.0 - t2, d2, feature
+
+
+@entry
+@kernel
+def closest_face(point, vertices, faces):  # type: ignore[no-untyped-def]
+    """The face of a surface (V,3), (F,3) closest to a point (3,), the first of several, and the weights u, v, w of its corners at the closest point."""
+    nearest, found = math.inf, (0, 1.0, 0.0, 0.0)
+    p = point[0], point[1], point[2]
+    for face in range(len(faces)):
+        u, v, w, square, _ = point_triangle(p, row(vertices, faces[face, 0]), row(vertices, faces[face, 1]), row(vertices, faces[face, 2]))
+        if square < nearest:
+            nearest, found = square, (face, u, v, w)
+    return found
 
 
 @kernel

@@ -11,7 +11,6 @@ from typing import NamedTuple
 
 import numpy as np
 import shapely
-import trimesh
 from scipy.spatial import cKDTree
 
 from garmentcad.arrays import floats, indices
@@ -25,6 +24,7 @@ from garmentcad.errors import SpecError, did_you_mean
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.button import Shanks, tilts
 from garmentcad.forces.time_step import DAMPING_RATIO
+from garmentcad.geometry.closest import closest_face
 from garmentcad.geometry.portable import norm, product
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.pattern import Panel, PanelPoint, Pattern, Pin
@@ -165,13 +165,12 @@ def _foot(pin: Pin, body: Mannequin) -> _Foot:
         hint = did_you_mean(str(pin.landmark), body.landmarks)
         raise SpecError(f"mannequin {body.name} has no landmark {pin.landmark!r}{hint}", key=f"pins.{pin.name}.landmark")
     wanted = np.asarray(body.landmarks[pin.landmark]) + MM_TO_M * np.array(pin.offset_mm)
-    corners = body.vertices[body.faces]
-    closest = trimesh.triangles.closest_point(corners, np.tile(wanted, (len(corners), 1)))
-    face = int(np.argmin(((closest - wanted) ** 2).sum(axis=1)))
-    normal = np.cross(corners[face, 1] - corners[face, 0], corners[face, 2] - corners[face, 0])
-    weights = trimesh.triangles.points_to_barycentric(corners[face][None], closest[face][None])[0]
-    around = cKDTree(body.vertices).query(closest[face], k=_AROUND)[1]
-    return _Foot(body.faces[face].astype(np.int64), weights, normal / norm(normal), wanted - closest[face], around)
+    face, *shares = closest_face(wanted, body.vertices, body.faces)
+    nodes, weights = body.faces[face].astype(np.int64), np.array(shares)
+    a, b, c = body.vertices[nodes]
+    closest, normal = product(weights, body.vertices[nodes]), np.cross(b - a, c - a)
+    around = cKDTree(body.vertices).query(closest, k=_AROUND)[1]
+    return _Foot(nodes, weights, normal / norm(normal), wanted - closest, around)
 
 
 def _refuse_out_of_reach(pattern: Pattern, materials: MaterialTable, targets: dict[str, np.ndarray]) -> None:
