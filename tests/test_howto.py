@@ -27,11 +27,11 @@ def test_garment_test_of_the_howto(tmp_path: Path) -> None:
 
 
 def run_page(name: str, folder: Path) -> list[str]:
-    """Run every command of a page in the folder, on 40 mm and with three lays at most; what they print. A command that fails fails the test."""
+    """Run every command of a page in the folder, on 40 mm and with six lays at most; what they print. A command that fails fails the test."""
     page = (DOCS / "howto" / name).read_text(encoding="utf-8")
     printed = []
     for line in "".join(re.findall(r"```sh\n(.*?)```", page, re.DOTALL)).splitlines():
-        program, *words = line.replace("--grid 20", "--grid 40").replace("--lays 10", "--lays 3").split()
+        program, *words = line.replace("--grid 20", "--grid 40").replace("--lays 10", "--lays 6").split()
         assert program == "garmentcad"
         run = garmentcad_here(*words, folder=folder)
         assert run.returncode == 0, f"{line}\n{run.stdout}\n{run.stderr}"
@@ -49,10 +49,11 @@ def test_from_a_garmentcode_file_to_a_garment_under_test(tmp_path: Path) -> None
     assert (report["status"], report["self_intersections"], report["mannequin_intersections"]) == ("converged", 0, 0)
     assert "seat" in (tmp_path / "out" / "skirt-fit.csv").read_text()
     assert "hem" in printed[2]
-    # What the page says of a longer skirt: the hem's points go down, and the test fails by the hem. Three lays at 40 mm see less than ten at 20: by 20 mm.
+    # What the page says of a longer skirt: the hem's points go down, and the test fails by the hem. Six lays tell it surely; of three, Student's factor is so wide
+    # (k = 82, of six 10) that the tolerance is as large as the change.
     spec = tmp_path / "skirt.yaml"
     text = spec.read_text()
-    longer = text.replace("[0.0, 0.0]", "[0.0, -20.0]").replace("[600.0, 0.0]", "[600.0, -20.0]")
+    longer = text.replace("[0.0, 0.0]", "[0.0, -10.0]").replace("[600.0, 0.0]", "[600.0, -10.0]")
     assert text.count("[600.0, 0.0]") == 2
     spec.write_text(longer)
     run = garmentcad_here("test", "skirt.garment-test.yaml", folder=tmp_path)
