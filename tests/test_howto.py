@@ -49,8 +49,8 @@ def test_from_a_garmentcode_file_to_a_garment_under_test(tmp_path: Path) -> None
     assert (report["status"], report["self_intersections"], report["mannequin_intersections"]) == ("converged", 0, 0)
     assert "seat" in (tmp_path / "out" / "skirt-fit.csv").read_text()
     assert "hem" in printed[2]
-    # What the page says of a longer skirt: the hem's points go down, and the test fails by the hem. Six lays tell it surely; of three, Student's factor is so wide
-    # (k = 82, of six 10) that the tolerance is as large as the change.
+    # What the page says of a longer skirt: the hem's points go down, and the test fails by the hem. Six lays tell it surely;
+    # of three, Student's factor is so large (82, of six 10) that the tolerance is as wide as the change.
     spec = tmp_path / "skirt.yaml"
     text = spec.read_text()
     longer = text.replace("[0.0, 0.0]", "[0.0, -10.0]").replace("[600.0, 0.0]", "[600.0, -10.0]")
