@@ -50,6 +50,21 @@ def balance_error(force: Force, positions: np.ndarray) -> tuple[float, float]:
 
 def stiffness_over_bound(force: Force, positions: np.ndarray, masses: np.ndarray, step: float = 1e-7) -> float:
     """Largest eigenvalue of M^-1 K, K the central difference of the forces, over the bound max(row sum/m)."""
+    root = np.repeat(1.0 / np.sqrt(masses), 3)
+    found = np.linalg.eigvalsh(_tangent_of(force, positions, step) * root[:, None] * root[None, :]).max()
+    return float(found / np.max(_row_bounds(force, positions) / masses))
+
+
+def row_sums_over_bounds(force: Force, positions: np.ndarray) -> np.ndarray:
+    """(P,) sum over j of |K_ij|, K the central difference of the forces, over the bound of each particle; 0 where nothing acts."""
+    count = len(positions)
+    blocks = _tangent_of(force, positions).reshape(count, 3, count, 3).transpose(0, 2, 1, 3)
+    sums, bounds = np.linalg.norm(blocks, ord=2, axis=(2, 3)).sum(axis=1), _row_bounds(force, positions)
+    noise = 1e-7 * bounds.max()
+    return np.where(sums > noise, sums / np.maximum(bounds, noise), 0.0)
+
+
+def _tangent_of(force: Force, positions: np.ndarray, step: float = 1e-7) -> np.ndarray:
     size = positions.size
     hessian = np.empty((size, size))
     for column, index in enumerate(np.ndindex(*positions.shape)):
@@ -59,13 +74,14 @@ def stiffness_over_bound(force: Force, positions: np.ndarray, masses: np.ndarray
             moved[index] += k * step
             pair.append(particle_forces(force, moved).ravel())
         hessian[:, column] = -(pair[0] - pair[1]) / (2 * step)
-    root = np.repeat(1.0 / np.sqrt(masses), 3)
-    found = np.linalg.eigvalsh(0.5 * (hessian + hessian.T) * root[:, None] * root[None, :]).max()
+    return 0.5 * (hessian + hessian.T)
+
+
+def _row_bounds(force: Force, positions: np.ndarray) -> np.ndarray:
     corner_stiffness = np.zeros(len(force.corners))
     force.write_stiffness(positions, corner_stiffness)
     used = force.corners != NO_PARTICLE
-    bound = np.bincount(force.corners[used], weights=corner_stiffness[used], minlength=len(masses))
-    return float(found / np.max(bound / masses))
+    return np.bincount(force.corners[used], weights=corner_stiffness[used], minlength=len(positions))
 
 
 def march(assembly: ForceAssembly, masses: np.ndarray, positions: np.ndarray, velocities: np.ndarray, step: float, count: int) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from force_checks import balance_error, gradient_error, stiffness_over_bound
+from force_checks import balance_error, gradient_error, row_sums_over_bounds, stiffness_over_bound
 from small_cloth import KINDS, deformed, flat, materials, small_cloth
 
 from garmentcad.fabric.material import softened
@@ -44,6 +44,15 @@ def test_no_net_force_nor_torque(name: str, kind: str) -> None:
 def test_row_sum_bounds_the_highest_eigenvalue(name: str, kind: str) -> None:
     ratio = stiffness_over_bound(LAWS[name], deformed(CLOTH, kind, seed=3), CLOTH.masses)
     assert 0.1 < ratio <= 1.0 + 1e-6
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("name", ["lattice", *ForceLattice.LAWS])
+def test_each_row_of_the_lattice_is_bounded(name: str, kind: str) -> None:
+    """At every particle, and of the whole lattice closely: what one element or neighbour is forgotten or counted twice for shows."""
+    ratio = row_sums_over_bounds(LAWS[name], deformed(CLOTH, kind, seed=3))
+    assert 0.1 < ratio.max() <= 1.0 + 1e-6
+    assert name != "lattice" or ratio[ratio > 0.0].min() > 0.6
 
 
 def test_damping_ratio_of_the_highest_mode() -> None:

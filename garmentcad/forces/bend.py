@@ -98,6 +98,19 @@ def tilt_forces(sx, sy, sz, nx, ny, nz, inverse, px, py, pz, qx, qy, qz):  # typ
     return qy * sz - qz * sy, qz * sx - qx * sz, qx * sy - qy * sx, sy * pz - sz * py, sz * px - sx * pz, sx * py - sy * px
 
 
+@kernel
+def line_bound(ax, ay, az, bx, by, bz, rest, stiffness, way):  # type: ignore[no-untyped-def]
+    """Row sum bounds [N/m] of a line, whatever its slider, at its centre, at the end of arm a and of arm b, from both arms, which were `rest` [m] long."""
+    # |dt/d(end of arm)| = 1/|arm|, and at the centre the sum of both; (1 + t) covers the curvature of t
+    a = 1.0 / max(math.sqrt(ax * ax + ay * ay + az * az), SHORTEST * rest)
+    b = 1.0 / max(math.sqrt(bx * bx + by * by + bz * bz), SHORTEST * rest)
+    x, y, z = a * ax + b * bx, a * ay + b * by, a * az + b * bz
+    half = min(0.5 * math.sqrt(x * x + y * y + z * z), 1.0)
+    angle = 2.0 * angle_over_sine(half) * math.sqrt(1.0 - half * half)
+    scale = stiffness * ((1.0 + STICK) if way > 0.0 else 1.0) * (1.0 + angle) * 2.0 * (a + b)
+    return (a + b) * scale, a * scale, b * scale
+
+
 @row_kernel
 def bend_row(span, origin, bends, spacing, motion, lines, pull, held):  # type: ignore[no-untyped-def]
     """Weft and warp lines whose arms are the links before and behind their centres; span: first centre in the room, slots to the warp neighbour, number of

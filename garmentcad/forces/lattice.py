@@ -7,15 +7,17 @@ from typing import Any
 
 import numba
 import numpy as np
+from numba import prange
 
-from garmentcad.arrays import entry, indices, kernel, long_kernel, row_kernel
+from garmentcad.arrays import entry, floats, indices, kernel, long_kernel, parallel_kernel, row_kernel
 from garmentcad.cloth.cloth import WEFT, BendLines, Cells, Cloth, Links
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.arcs import cell_neighbours, gather_corners
 from garmentcad.forces.bend import ForceBend, across_lines, bend_row
 from garmentcad.forces.cell import cell_row
 from garmentcad.forces.force import NO_PARTICLE, Gauge
-from garmentcad.forces.rows import LANES, NEVER, LatticeSlots, aligned_zeros
+from garmentcad.forces.lattice_bound import bound_block
+from garmentcad.forces.rows import LANES, NEVER, LatticeSlots, aligned_zeros, load_motion
 from garmentcad.forces.shear import LawShear
 from garmentcad.forces.stretch import COEFFICIENTS, LawStretch, stretch_row
 from garmentcad.forces.twist import LawTwist
@@ -33,20 +35,6 @@ _ARCS = 3
 _CELL = _LINES
 PART_OF_LAW = 1 << 14  # elements whose strains, energies and stiffness are found together, so that this takes little memory
 _SUMS = 8  # partial sums of what a block loses, so that the additions need not wait for each other
-
-
-@row_kernel
-def _load(span, particle, positions, velocities, motion):  # type: ignore[no-untyped-def]
-    """Places and velocities of the slots and 1 into motion (7,R), 0 where a slot is empty; span: first slot, number of slots."""
-    first, count = span
-    x, y, z, u, v, w, present = motion[0], motion[1], motion[2], motion[3], motion[4], motion[5], motion[6]
-    for i in range(count):
-        p = particle[first + i]
-        if p >= 0:
-            x[i], y[i], z[i], u[i], v[i], w[i] = positions[p, 0], positions[p, 1], positions[p, 2], velocities[p, 0], velocities[p, 1], velocities[p, 2]
-            present[i] = 1.0
-        else:
-            x[i] = y[i] = z[i] = u[i] = v[i] = w[i] = present[i] = 0.0
 
 
 @row_kernel
@@ -116,7 +104,7 @@ def lattice_block(k, blocks, fabric, setting, positions, velocities, rooms, out)
     origin = (first - 3 * up - LANES) // LANES * LANES
     motion, lines, pull, after, lost = room[_MOTION:_LINES], room[_LINES:_WEFT], room[_WEFT:_AFTER], room[_AFTER:_LOST], room[_LOST]
     lost[:] = 0.0
-    _load((origin, first + size + 3 * up + 1 - origin), blocks.particle, positions, velocities, motion)
+    load_motion((origin, first + size + 3 * up + 1 - origin), blocks.particle, positions, velocities, motion)
     # from the last multiple of LANES before the first element that is needed to the first one behind the last
     last = first + size + up - 1
     begin = (first - up - 1) // LANES * LANES
@@ -159,6 +147,16 @@ def write_lattice(blocks, coefficients, setting, rooms, sliders, positions, velo
 
 
 _Law = LawStretch | LawShear | LawTwist | ForceBend
+
+
+@entry
+@parallel_kernel
+def write_bounds(blocks, coefficients, spacing, whole, positions, rooms, out):  # type: ignore[no-untyped-def]
+    """Row sum bound [N/m] of each slot into out (S,); whole: of all laws, not only of twist and bending. Slots between panels get numbers that mean nothing."""
+    for k in prange(len(blocks.first)):
+        bound_block(
+            np.int64(k), blocks, coefficients[:_C_CELL], coefficients[_C_CELL:_C_BEND], coefficients[_C_BEND:_C_ALL], spacing, whole, positions, rooms, out
+        )  # fmt: skip
 
 
 class ForceLattice:
@@ -257,36 +255,17 @@ class ForceLattice:
         return sum(self.energies(positions, sliders).values())
 
     def write_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
-        self._gather_stiffness(lambda law, corners: law.write_stiffness(positions, corners), out)
+        write_bounds(self._blocks, self._coefficients, self._spacing, True, floats(positions), self._rooms, out)
 
     def write_bending_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
-        def against_bending(law: _Law, corners: np.ndarray) -> None:
-            if isinstance(law, LawTwist | ForceBend):
-                law.write_stiffness(positions, corners)
-
-        self._gather_stiffness(against_bending, out)
+        write_bounds(self._blocks, self._coefficients, self._spacing, False, floats(positions), self._rooms, out)
 
     def write_rest_stiffness(self, out: np.ndarray) -> None:
-        """`write_stiffness` of stretch and shear at rest, wherever the panels lie."""
-
-        def at_rest(law: _Law, corners: np.ndarray) -> None:
-            if isinstance(law, LawStretch | LawShear):
-                law.write_rest_stiffness(corners)
-
-        self._gather_stiffness(at_rest, out)
-
-    def _gather_stiffness(self, write, out: np.ndarray) -> None:  # type: ignore[no-untyped-def]
-        count = int(self.corners.max(initial=0)) + 1
-        total = np.zeros(count)
+        """Row sums of stretch and shear without friction, at rest, wherever the panels lie."""
+        total = np.zeros(int(self.corners.max(initial=0)) + 1)
         for law in self.laws:
-            corners = law.corners
-            stiffness, used = np.zeros(len(corners)), corners != NO_PARTICLE
-            write(law, stiffness)
-            # A part of a law touches few of the particles: sums over all of them, part by part, would grow with their square.
-            particles = corners[used]
-            low = int(particles.min(initial=count))
-            part = np.bincount(particles - low, weights=stiffness[used])
-            total[low : low + len(part)] += part
+            if isinstance(law, LawStretch | LawShear):
+                total += np.bincount(law.corners, weights=law.rest_stiffness(), minlength=len(total))
         out[:] = np.where(self.corners == NO_PARTICLE, 0.0, total[self.corners])
 
 

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from garmentcad.arrays import indices
+from garmentcad.arrays import indices, row_kernel
 from garmentcad.cloth.cloth import WARP, WEFT, BendLines, Cloth
 from garmentcad.forces.force import NO_PARTICLE
 
@@ -108,3 +108,17 @@ class LatticeSlots:
             step = self.step(at, axis)
             found[chosen] = (self.slot[lines.arm_a[chosen, 0]] == at - step) & (self.slot[lines.arm_b[chosen, 0]] == at + step)
         return found
+
+
+@row_kernel
+def load_motion(span, particle, positions, velocities, motion):  # type: ignore[no-untyped-def]
+    """Places and velocities of the slots and 1 into motion (7,R), 0 where a slot is empty; span: first slot, number of slots."""
+    first, count = span
+    x, y, z, u, v, w, present = motion[0], motion[1], motion[2], motion[3], motion[4], motion[5], motion[6]
+    for i in range(count):
+        p = particle[first + i]
+        if p >= 0:
+            x[i], y[i], z[i], u[i], v[i], w[i] = positions[p, 0], positions[p, 1], positions[p, 2], velocities[p, 0], velocities[p, 1], velocities[p, 2]
+            present[i] = 1.0
+        else:
+            x[i] = y[i] = z[i] = u[i] = v[i] = w[i] = present[i] = 0.0

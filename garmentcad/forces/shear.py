@@ -17,9 +17,9 @@ import numpy as np
 
 from garmentcad.arrays import compact, entry, floats, indices, kernel
 from garmentcad.cloth.cloth import WARP, Cells
-from garmentcad.fabric.law_shear import HIGH, LOW, shear_energy, stick_coefficients
+from garmentcad.fabric.law_shear import HIGH, LOW, shear_energy, stick_coefficients, stick_stiffness
 from garmentcad.fabric.material import MaterialTable
-from garmentcad.forces.arcs import MOST, NEIGHBOURS, SHARE, bow_and_crossing, limited
+from garmentcad.forces.arcs import MOST, NEIGHBOURS, SHARE, bow_and_crossing, limited, limited_arc
 from garmentcad.forces.force import NO_PARTICLE
 from garmentcad.forces.rows import LatticeSlots
 from garmentcad.geometry.angle import angle_over_sine, arcsin
@@ -56,6 +56,31 @@ def chord_gradients(ux, uy, uz, wx, wy, wz, inverse, share_u, share_w):  # type:
         inverse * (wx - share_u * ux), inverse * (wy - share_u * uy), inverse * (wz - share_u * uz),
         inverse * (ux - share_w * wx), inverse * (uy - share_w * wy), inverse * (uz - share_w * wz),
     )  # fmt: skip
+
+
+@kernel
+def shear_bounds(uu, ww, uw, bow, both, crossing, spacing, stiffness, low, rise, way, arc):  # type: ignore[no-untyped-def]
+    """Row sum bounds [N/m] of a cell, whatever its slider: at its corners 00 and 11, at 10 and 01, at each of its neighbours.
+
+    uu, ww, uw: products of the mean warp and weft, the first two not below SHORTEST^2; bow, both, crossing: length of the bow [m], its product with the
+    crossing [m2] and the length of that, see arcs.py; stiffness to arc: coefficients of the cell, see `LawShear.write_rows`.
+    """
+    # |dgamma/dx|^2 = (1/|u|^2 + 1/|w|^2 -+ 2 sin(gamma)/(|u| |w|))/(2 h)^2 of the chords, - at 00 and 11
+    chords, inverse_square = chord_angle(uu, ww, uw)[0], 1.0 / (uu * ww)
+    along = 0.5 / spacing * math.sqrt(max((uu + ww - 2.0 * uw) * inverse_square, 0.0))
+    across = 0.5 / spacing * math.sqrt(max((uu + ww + 2.0 * uw) * inverse_square, 0.0))
+    # arcs add their own, and their curvature: of bow.crossing, with rows of 16 at the corners and 4 at the neighbours, and where they are limited
+    lean, keen = limited_arc(arc * both)
+    size, beside = max(abs(chords), abs(chords + lean)), arc * crossing
+    bent = arc * bow + 2.0 * beside
+    # of the curve at this angle; (1 + |gamma| + d) covers the curvature of gamma
+    tangent = (stiffness + stick_stiffness(size, low, rise)) * (1.0 + size + way) + abs(rise) * way
+    scale = tangent * (2.0 * (along + across + 2.0 * bent) + NEIGHBOURS * beside)
+    pull = tangent * (abs(chords + lean) + way)
+    curved = 4.0 * pull * arc
+    limit = 5.0 * pull * keen * abs(lean * lean * lean) / (MOST * MOST * MOST * MOST) * (4.0 * bent + NEIGHBOURS * beside)
+    every = 4.0 * curved + bent * limit
+    return (along + bent) * scale + every, (across + bent) * scale + every, beside * scale + curved + beside * limit
 
 
 class ShearCurves(NamedTuple):
@@ -106,11 +131,7 @@ class LawShear:
         self._arcs = compact(np.where(self._neighbours[:, 0] == NO_PARTICLE, 0.0, SHARE / cells.spacing**2))
         self.way = self._curves.way
         self.at = cell_slots(cells, slots)
-
-    @property
-    def corners(self) -> np.ndarray:
-        """(12 C,) int32: the corners of the cells, then their neighbours."""
-        return np.concatenate([self._cells.corners.ravel(), self._neighbours.ravel()])
+        self.corners = cells.corners.ravel()
 
     def set_curves(self, materials: MaterialTable) -> None:
         """The shear curves of `materials` from now on; `write_rows` brings them to the kernels."""
@@ -136,33 +157,9 @@ class LawShear:
     def energy(self, positions: np.ndarray, sliders: np.ndarray) -> float:
         return float(np.sum(shear_energy_at(self._curves, self.strain(positions), sliders) * self._cells.shear_area))
 
-    def write_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
-        # |dgamma/dx|^2 = (1/|u|^2 + 1/|w|^2 -+ 2 sin(gamma)/(|u| |w|))/(2 h)^2 at the corners 00 and 11, and at 10 and 01, of chords
-        chords, warp, weft = self._chords(positions)
-        u, w = 1.0 / warp, 1.0 / weft
-        lean = 2.0 * np.sin(chords) * u * w
-        along, across = (np.sqrt(np.maximum(u * u + w * w + sign * lean, 0.0)) / (2.0 * self._cells.spacing) for sign in (-1.0, 1.0))
-        # arcs add their own, and their curvature: of bow.crossing, with rows of 16 at the corners and 4 at the neighbours, and where they are limited
-        bow, crossing = bow_and_crossing(positions, self._cells, self._neighbours)
-        arc = self._arcs * dots(bow, crossing)
-        lean, keen = limited(arc)
-        gamma = chords + lean
-        beside = self._arcs * lengths(crossing)
-        bent = self._arcs * lengths(bow) + 2.0 * beside
-        tangent = largest_shear_stiffness(self._curves, np.maximum(np.abs(chords), np.abs(gamma))) * self._cells.shear_area
-        scale = tangent * (2.0 * (along + across + 2.0 * bent) + NEIGHBOURS * beside)
-        pull = tangent * (np.abs(gamma) + self.way)
-        curved = 4.0 * pull * self._arcs
-        limit = 5.0 * pull * keen * np.abs(lean * lean * lean) / MOST**4 * (4.0 * bent + NEIGHBOURS * beside)
-        corners = np.stack([along, across, along, across], axis=1) + bent[:, None]
-        count = corners.size
-        out[:count] = (corners * scale[:, None] + (4.0 * curved + bent * limit)[:, None]).ravel()
-        out[count:] = np.repeat(beside * scale + curved + beside * limit, NEIGHBOURS)
-
-    def write_rest_stiffness(self, out: np.ndarray) -> None:
-        """Row sums without friction, at rest, wherever the panels lie."""
-        out[: self._cells.corners.size] = np.repeat(self._curves.stiffness * self._cells.shear_area * 2.0 / self._cells.spacing**2, 4)
-        out[self._cells.corners.size :] = 0.0
+    def rest_stiffness(self) -> np.ndarray:
+        """Row sum [N/m] of each corner (4 C,) without friction, at rest, wherever the panels lie."""
+        return np.repeat(self._curves.stiffness * self._cells.shear_area * 2.0 / self._cells.spacing**2, 4)
 
 
 def cell_slots(cells: Cells, slots: LatticeSlots) -> np.ndarray:

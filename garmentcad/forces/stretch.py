@@ -22,7 +22,7 @@ from garmentcad.fabric.law_tension import WAY
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.rows import LatticeSlots
 from garmentcad.forces.smooth import expm1_smooth
-from garmentcad.forces.tension_curves import TensionCurves, largest_tension_at, tension_curves, tension_energy_at
+from garmentcad.forces.tension_curves import TensionCurves, tension_curves, tension_energy_at
 from garmentcad.geometry.vectors import lengths, picked
 
 LEAST_EXPONENT = 1e-9  # a linear curve is one with this exponent: it differs by less than the tenth digit
@@ -47,6 +47,17 @@ def tension_force(strain, damped_rate, slider, rate, amplitude, em, stick):  # t
     # H at the middle of the stick spring, by the tangent; amplitude and curve are both negative where LT > 1
     gone = stick * way * max(amplitude * (curve - 0.5 * slope * held), 0.0) * abs(after - slider)
     return amplitude * (curve * share + rate * damped_rate), after, gone
+
+
+@kernel
+def tension_bound(strain, rate, amplitude, em, stick):  # type: ignore[no-untyped-def]
+    """(|K_aa| + |K_ab|) l0 [N] of a link with these coefficients, whatever its slider: 2 max(T', T/(1 + e)), along the link, and across it, where only tension
+    stiffens."""
+    inside = min(max(strain, 0.0), em)
+    growth = expm1_smooth(rate * inside)
+    slope = rate * (1.0 + growth)
+    tension = max(amplitude * (growth + slope * (strain - inside)), 0.0)
+    return 2.0 * max(amplitude * slope + stick * tension, tension / (1.0 + max(strain, 0.0)))
 
 
 @row_kernel
@@ -135,13 +146,6 @@ class LawStretch:
         energy = tension_energy_at(self._curves, self._curve, self.strain(positions), sliders)
         return float(np.sum(energy * self._links.width * self._links.rest_length))
 
-    def write_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
-        # |K_aa| + |K_ab| = 2 max(T', T/(1 + e)) w/l0: along the link, and across it, where only tension stiffens
-        strain = self.strain(positions)
-        force, tangent = largest_tension_at(self._curves, self._curve, strain)
-        across = np.where(strain > 0.0, force / (1.0 + np.maximum(strain, 0.0)), 0.0)
-        out[:] = np.repeat(2.0 * np.maximum(tangent, across) * self._links.width / self._links.rest_length, 2)
-
-    def write_rest_stiffness(self, out: np.ndarray) -> None:
-        """`write_stiffness` at rest, wherever the panels lie."""
-        out[:] = np.repeat(2.0 * self._curves.slope[self._curve] * self._links.width / self._links.rest_length, 2)
+    def rest_stiffness(self) -> np.ndarray:
+        """Row sum [N/m] of each corner (2 L,) at rest, wherever the panels lie."""
+        return np.repeat(2.0 * self._curves.slope[self._curve] * self._links.width / self._links.rest_length, 2)

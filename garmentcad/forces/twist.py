@@ -9,11 +9,12 @@ Source: orthotropic plate without Poisson effect, KES-FB2 along warp, weft and b
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
-from garmentcad.arrays import indices
+from garmentcad.arrays import indices, kernel
 from garmentcad.cloth.cloth import Cells
 from garmentcad.fabric.law_bending import STICK
 from garmentcad.fabric.material import MaterialTable
@@ -23,6 +24,15 @@ from garmentcad.forces.shear import cell_slots
 from garmentcad.geometry.vectors import dots, lengths, picked
 
 LEAST_NORMAL = 1e-3  # floor of |normal| in units of its rest value 2 h^2: a collapsed cell has no normal
+
+
+@kernel
+def twist_bound(uu, ww, uw, crossing, spacing, stiffness, way):  # type: ignore[no-untyped-def]
+    """Row sum bound [N/m] at each corner of a cell, whatever its slider, from the products of its mean warp and weft and the length of its crossing [m]."""
+    # |d(height)/dx| <= 1 + |crossing| |diagonal|/|p x q| at each of four corners; a further factor covers the curvature of height
+    normal = 2.0 * spacing * spacing * max(math.sqrt(max(uu * ww - uw * uw, 0.0)), LEAST_NORMAL)
+    gradient = 1.0 + crossing * spacing * math.sqrt(uu + ww + 2.0 * abs(uw)) / normal
+    return 4.0 * stiffness * ((1.0 + STICK) if way > 0.0 else 1.0) * gradient * gradient * gradient
 
 
 class TwistElements(NamedTuple):
@@ -44,7 +54,6 @@ class LawTwist:
         four_d66 = 4.0 * materials.twist[mine.material]
         way = materials.twist_friction[mine.material] / (STICK * four_d66) * h2
         self._cells = TwistElements(indices(mine.corners), LEAST_NORMAL * 2.0 * h2, four_d66 * mine.twist_area / h2**2, way)
-        self.corners = indices(mine.corners).ravel()
         self.way = way
         self.at = cell_slots(mine, slots)
 
@@ -55,24 +64,10 @@ class LawTwist:
     def slack(self) -> np.ndarray:
         return np.zeros(len(self.at))
 
-    def _geometry(self, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        x00, x10, x11, x01 = picked(positions, self._cells.corners)
-        p, q, crossing = x11 - x00, x01 - x10, x00 - x10 - x01 + x11
-        normal = np.cross(p, q)
-        size = np.maximum(lengths(normal), self._cells.least_normal)
-        height = dots(normal, crossing) / size
-        diagonal = np.maximum(lengths(p), lengths(q))
-        return height, lengths(crossing), diagonal, size
-
     def strain(self, positions: np.ndarray) -> np.ndarray:
-        return self._geometry(positions)[0]
+        x00, x10, x11, x01 = picked(positions, self._cells.corners)
+        normal = np.cross(x11 - x00, x01 - x10)
+        return np.asarray(dots(normal, x00 - x10 - x01 + x11) / np.maximum(lengths(normal), self._cells.least_normal))
 
     def energy(self, positions: np.ndarray, sliders: np.ndarray) -> float:
         return stored(self._cells.stiffness, self.strain(positions), sliders, self.way)
-
-    def write_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
-        # |d(height)/dx| <= 1 + |crossing| |diagonal|/|normal| at each of four corners; a further factor covers the curvature of height
-        _, crossing, diagonal, size = self._geometry(positions)
-        gradient = 1.0 + crossing * diagonal / size
-        stiffness = self._cells.stiffness * np.where(self.way > 0.0, 1.0 + STICK, 1.0)
-        out[:] = np.repeat(4.0 * stiffness * gradient * gradient * gradient, 4)
