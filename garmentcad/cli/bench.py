@@ -11,6 +11,7 @@ import typer
 from garmentcad.cli.drape import ProgressLine, allow_threads, compile_seconds
 
 if TYPE_CHECKING:
+    from rich.console import Console
     from rich.table import Table
 
 _FLOOR_THREADS = (1, 2)
@@ -63,12 +64,24 @@ def _print(rows: list[dict[str, Any]], floors: dict[int, float], particles: int)
     from rich.console import Console
 
     console = Console()
-    console.print(_table(rows))
+    for group in _fitting(rows, console):
+        console.print(_table(group))
     steps = ", ".join(f"{value:.0f} us on {count} thread{'s' if count > 1 else ''}" for count, value in floors.items())
     console.print(f"floor: the explicit step of {particles} particles with twelve springs takes {steps}", highlight=False)
     late = [f"{row['case']} {row['compile_s']:.1f} s" for row in rows if row["compile_s"] > 0.0]
     if late:
         console.print(f"kernels were compiled meanwhile ({', '.join(late)}): run again for clean times", highlight=False)
+
+
+def _fitting(rows: list[dict[str, Any]], console: Console) -> list[list[dict[str, Any]]]:
+    """Cases that stand in one table: as many as fit side by side, since what is cut off would be lost."""
+    groups: list[list[dict[str, Any]]] = []
+    for row in rows:
+        wide = console.options.update(max_width=10_000)
+        if not groups or console.measure(_table([*groups[-1], row]), options=wide).maximum > console.width:
+            groups.append([])
+        groups[-1].append(row)
+    return groups
 
 
 def _table(rows: list[dict[str, Any]]) -> Table:
