@@ -33,7 +33,7 @@ _S_WEFT, _S_WARP, _S_CELL, _S_BEND, SLIDERS = 0, 1, 2, 4, 6
 _MOTION, _LINES, _WEFT, _WARP, _AFTER, _LOST, _ALL = 0, 7, 22, 28, 34, 40, 41
 _ARCS = 3
 _CELL = _LINES
-PART_OF_LAW = 1 << 14  # elements whose strains, energies and stiffness are found together, so that this takes little memory
+PART_OF_LAW = 1 << 14  # elements whose strains and energies are found together, so that this takes little memory
 _SUMS = 8  # partial sums of what a block loses, so that the additions need not wait for each other
 
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from garmentcad.arrays import compact, entry, floats, indices, kernel
 from garmentcad.cloth.cloth import WARP, Cells
-from garmentcad.fabric.law_shear import HIGH, LOW, shear_energy, stick_coefficients, stick_stiffness
+from garmentcad.fabric.law_shear import HIGH, LOW, shear_energy, stick_coefficients
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.arcs import MOST, NEIGHBOURS, SHARE, bow_and_crossing, limited, limited_arc
 from garmentcad.forces.force import NO_PARTICLE
@@ -58,6 +58,16 @@ def chord_gradients(ux, uy, uz, wx, wy, wz, inverse, share_u, share_w):  # type:
     )  # fmt: skip
 
 
+def largest_tangent(size, stiffness, low, rise, way):  # type: ignore[no-untyped-def]
+    """Bound [N/m per rad] of the tangent at angles of this size [rad], whatever the slider; (1 + |gamma| + d) covers the curvature of gamma. Numbers or
+    arrays; the others are those of `ShearCurves`."""
+    stick = low + rise * np.minimum(np.maximum(size - LOW, 0.0), HIGH - LOW)
+    return (stiffness + stick) * (1.0 + size + way) + np.abs(rise) * way
+
+
+_largest_tangent = kernel(largest_tangent)
+
+
 @kernel
 def shear_bounds(uu, ww, uw, bow, both, crossing, spacing, stiffness, low, rise, way, arc):  # type: ignore[no-untyped-def]
     """Row sum bounds [N/m] of a cell, whatever its slider: at its corners 00 and 11, at 10 and 01, at each of its neighbours.
@@ -73,8 +83,7 @@ def shear_bounds(uu, ww, uw, bow, both, crossing, spacing, stiffness, low, rise,
     lean, keen = limited_arc(arc * both)
     size, beside = max(abs(chords), abs(chords + lean)), arc * crossing
     bent = arc * bow + 2.0 * beside
-    # of the curve at this angle; (1 + |gamma| + d) covers the curvature of gamma
-    tangent = (stiffness + stick_stiffness(size, low, rise)) * (1.0 + size + way) + abs(rise) * way
+    tangent = _largest_tangent(size, stiffness, low, rise, way)
     scale = tangent * (2.0 * (along + across + 2.0 * bent) + NEIGHBOURS * beside)
     pull = tangent * (abs(chords + lean) + way)
     curved = 4.0 * pull * arc
@@ -113,10 +122,8 @@ def shear_energy_at(curves: ShearCurves, angles: np.ndarray, sliders: np.ndarray
 
 
 def largest_shear_stiffness(curves: ShearCurves, angles: np.ndarray) -> np.ndarray:
-    """Bound [N/m per rad] of the tangent at each angle (N,), whatever its slider; (1 + |gamma| + d) covers the curvature of gamma."""
-    size = np.abs(angles)
-    stick = curves.low + curves.rise * np.clip(size - LOW, 0.0, HIGH - LOW)
-    return np.asarray((curves.stiffness + stick) * (1.0 + size + curves.way) + np.abs(curves.rise) * curves.way)
+    """`largest_tangent` of each curve at its angle (N,) [rad]."""
+    return np.asarray(largest_tangent(np.abs(angles), *curves))
 
 
 class LawShear:
