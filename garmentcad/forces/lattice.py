@@ -265,7 +265,10 @@ class ForceLattice:
         total = np.zeros(int(self.corners.max(initial=0)) + 1)
         for law in self.laws:
             if isinstance(law, LawStretch | LawShear):
-                total += np.bincount(law.corners, weights=law.rest_stiffness(), minlength=len(total))
+                # A part of a law touches few of the particles: sums over all of them, part by part, would grow with their square.
+                low = int(law.corners.min(initial=len(total)))
+                part = np.bincount(law.corners - low, weights=law.rest_stiffness())
+                total[low : low + len(part)] += part
         out[:] = np.where(self.corners == NO_PARTICLE, 0.0, total[self.corners])
 
 
