@@ -103,7 +103,38 @@ def test_symmetric_panels_have_symmetric_lattices(width: float) -> None:
     mirrored = np.stack([width - lattice[:, 0], lattice[:, 1]], axis=1)
     assert {tuple(point) for point in mirrored.round(6)} == {tuple(point) for point in lattice.round(6)}
     gap = lattice[:, 0].min()
-    assert 5.0 < gap <= 10.0
+    assert 7.5 <= gap <= 12.5
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [disc(187.0, 17.0), panel(NECKLINE, 3.0), rectangle(300.0, 35.0), rectangle(300.0, 51.0), rectangle(300.0, 61.0)],
+    ids=["disc", "neckline, turned", "three rows", "five rows", "six rows"],
+)
+@pytest.mark.parametrize("origin", [(0.0, 0.0), (3.0, 5.4), (7.9, 1.2)])
+def test_lattice_points_and_yarns_keep_off_the_outline(shape, origin: tuple[float, float]) -> None:
+    """Point by point, with shapely: half a grid off, and yarns of 0.65 of a grid where more than five points follow one another."""
+    grid = 10.0
+    made = mesh(shape, grid, origin_mm=origin)
+    outline = shapely.Polygon(to_grain(made.contour.points_mm, shape.grain_deg))
+    start = to_grain(np.array([origin]), shape.grain_deg)[0]
+    far = {
+        (i, j): start + grid * np.array([i, j])
+        for i in range(-60, 60)
+        for j in range(-60, 60)
+        if outline.contains(point := shapely.Point(start + grid * np.array([i, j]))) and outline.exterior.distance(point) >= 0.4999 * grid
+    }
+
+    def run(i: int, j: int, di: int, dj: int) -> int:
+        return 1 + sum(next(k for k in range(1, 200) if (i + s * k * di, j + s * k * dj) not in far) - 1 for s in (-1, 1))
+
+    wanted = set()
+    for (i, j), place in far.items():
+        yarns = [(6.499 * np.array(way), run(i, j, *way)) for way in ((1, 0), (0, 1))]
+        short = [count for yarn, count in yarns if shapely.LineString([place - yarn, place + yarn]).intersects(outline.exterior)]
+        if all(count <= 5 for count in short):
+            wanted.add(tuple(place.round(6) + 0.0))
+    assert {tuple(point) for point in made.points[: made.lattice_count].round(6) + 0.0} == wanted
 
 
 def test_round_off_of_a_width_does_not_leave_a_sliver() -> None:

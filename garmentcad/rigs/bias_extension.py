@@ -41,7 +41,8 @@ def kinematic_deg(way_mm: float) -> float:
 
 def bias_extension(materials: MaterialTable, grid_mm: float, ways_mm: Iterable[float]) -> list[Extension]:
     """Pull the fabric in row 0 of `materials` to each of these ways, one after the other."""
-    specimen = Specimen(materials, WIDTH_MM, LENGTH_MM, grid_mm, ANGLES["bias"], stays_flat=True)
+    # Yarns run from a corner, where clamp and free edge meet: there the middle zone begins.
+    specimen = Specimen(materials, WIDTH_MM, LENGTH_MM, grid_mm, ANGLES["bias"], (0.0, 0.0), stays_flat=True)
     lower, upper = specimen.ends
     modes = specimen.modes([lower, upper])
     off_middle = specimen.rest[:, :2] - MM_TO_M * np.array([0.5 * WIDTH_MM, 0.5 * LENGTH_MM])
