@@ -53,8 +53,8 @@ SPEED_CAP_M_S = 1.0
 # Settling with fictitious masses: the drag falls with the time since, as beta/t. A drag that is critical for fast modes makes slow ones creep, and one for slow
 # modes lets fast ones ring; under beta/t a mode of frequency w comes to rest from t = beta/(2 w) on as (w t)^(-beta/2), whatever w, and none has to be known.
 SETTLE_DECAY = 5.0
-# Its least: light cloth sways several times as fast as with all its mass. W1 came to rest from four starts after 12 % fewer steps than with 8, with 24 after more:
-# what is about to snap over creeps.
+# Its least: light cloth sways several times as fast as with all its mass. W1 came to rest from four starts after 12 % fewer steps than with 8; with 24 after
+# more, because what is about to snap over creeps.
 LIGHT_DRAG = 16.0
 # What touches nothing resists less across the cloth (inertia.py) from the first look on at which the residual is below this: before, folds turn too fast.
 CALM_G = 0.1
