@@ -125,12 +125,12 @@ def _lattice_points(contour: Contour, border: np.ndarray, origin: np.ndarray, gr
     walls, outline = (shapely.STRtree(shapely.linestrings(border[segments])) for segments in (contour.walls, contour.segments))
     far = ~_touching(walls, shapely.points(points), (_NEAREST - _NEAR) * grid)
     points, place = points[far], place[far]
-    short = _runs(place) > _FEW
+    beside = np.flatnonzero(_touching(outline, shapely.points(points), _SHORTEST_YARN * grid))
+    long_rows, keep = _runs(place)[beside] > _FEW, np.ones(len(points), dtype=bool)
     for axis in range(2):
-        yarns = np.stack([points, points], axis=1)
+        yarns = np.stack([points[beside], points[beside]], axis=1)
         yarns[:, :, axis] += (_SHORTEST_YARN - _NEAR) * grid * np.array([-1.0, 1.0])
-        short[:, axis] &= _touching(outline, shapely.linestrings(yarns), 0.0)
-    keep = ~short.any(axis=1)
+        keep[beside[long_rows[:, axis] & _touching(outline, shapely.linestrings(yarns), 0.0)]] = False
     return points[keep], indices(place[keep].reshape(-1, 2))
 
 
