@@ -6,6 +6,7 @@ import json
 import os
 import sys
 import time
+from collections import deque
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -16,6 +17,9 @@ from garmentcad.cli.named import named_numbers
 
 if TYPE_CHECKING:
     from garmentcad.simulation.course import Progress
+
+
+RATE_OVER_S = 10.0  # how far back the progress line looks to tell how long a simulated second takes
 
 
 class Mode(StrEnum):
@@ -115,11 +119,15 @@ class ProgressLine:
     def __init__(self, silent: bool) -> None:
         self._silent, self._terminal = silent, sys.stderr.isatty()
         self._last, self._phase = 0.0, ""
-        self._began = time.perf_counter()
-        self._rate = 0.0
+        self._looks: deque[tuple[float, float]] = deque()  # wall and simulated s of those that tell how long a simulated second takes now
 
     def show(self, progress: Progress) -> None:
         now = time.perf_counter()
+        if self._looks and self._looks[-1][1] > progress.time_s:
+            self._looks.clear()  # the drape began anew
+        while len(self._looks) > 1 and self._looks[1][0] < now - RATE_OVER_S:
+            self._looks.popleft()
+        self._looks.append((now, progress.time_s))
         if self._silent or (progress.phase == self._phase and now - self._last < (0.2 if self._terminal else 5.0)):
             return
         self._last, self._phase = now, progress.phase
@@ -129,8 +137,9 @@ class ProgressLine:
         if progress.residual_g is not None:
             parts.append(f"residual {progress.residual_g:.1e} g of 1e-3")
         parts.append(f"speed {1e3 * progress.rms_speed_m_s:.1f} mm/s")
-        if progress.eta_s is not None and progress.time_s > 0.0:
-            parts.append(f"about {progress.eta_s * (now - self._began) / progress.time_s:.0f} s to go")
+        since, from_s = self._looks[0]
+        if progress.eta_s is not None and progress.time_s > from_s:
+            parts.append(f"about {progress.eta_s * (now - since) / (progress.time_s - from_s):.0f} s to go")
         text = "  ".join(parts)
         print(f"\r\x1b[2K{text}" if self._terminal else text, end="" if self._terminal else "\n", file=sys.stderr, flush=True)
 

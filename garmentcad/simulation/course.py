@@ -78,7 +78,7 @@ SMALLEST_STEP_FACTOR = 1.0 / 8.0  # of the time step that the stiffness allows, 
 
 @dataclass(frozen=True)
 class Progress:
-    """One look at a running drape. eta_s: simulated seconds still expected, from the trend of the residual; None where there is no trend yet."""
+    """One look at a running drape. eta_s: simulated seconds until rest, from the trend of the residual; None where there is none, and before it settles."""
 
     phase: str
     step: int
@@ -218,18 +218,19 @@ class Course:
         state.contact["settle_drag"] = np.clip(drag, SETTLE_DRAG, SETTLE_MOST)[self._patch]
 
     def _eta(self, state: State, left: Residual | None) -> float | None:
-        """From the slope of log residual between looks."""
-        if left is None:
+        """The watch, and before it what is left of settling: from how fast the residual has come down to what lets the watch begin."""
+        if state.phase == "watch":
+            return max(0.0, state.run["watch_from_s"] + WATCH_S - state.time_s)
+        if state.phase != "settle" or left is None:
             return None
-        before, then = state.run.get("eta_log"), state.run.get("eta_time_s")
-        log = math.log10(max(left.rms_g, 1e-12))
-        if before is None or then is None:
-            state.run["eta_log"], state.run["eta_time_s"] = log, state.time_s
+        above = math.log(max(left.rms_g / RESIDUAL_G, left.worst_patch_g / PATCH_RESIDUAL_G, 1e-12) / READY)
+        if "eta_above" not in state.run:
+            state.run["eta_above"], state.run["eta_from_s"] = above, state.time_s
             return None
-        slope = (log - before) / max(state.time_s - then, 1e-9)
-        return None if slope >= 0.0 else max(0.0, (-3.0 - log) / slope) + WATCH_S
+        fallen = state.run["eta_above"] - above
+        return max(0.0, above * (state.time_s - state.run["eta_from_s"]) / fallen) + WATCH_S if fallen > 0.0 else None
 
     def _enter(self, state: State, phase: str) -> None:
         state.phase = phase
-        state.run = {key: value for key, value in state.run.items() if not key.startswith("watch_")}
+        state.run = {key: value for key, value in state.run.items() if not key.startswith(("watch_", "eta_"))}
         state.run["phase_from_s"] = state.time_s
