@@ -96,3 +96,20 @@ def test_a_process_that_refuses_ends_with_2_and_no_traceback(tmp_path: Path) -> 
         assert run.returncode == 2, run.stderr
         assert run.stderr.startswith("garmentcad: ")
         assert "Traceback" not in run.stderr
+
+
+def test_what_a_laboratory_puts_in_brackets_is_shown(tmp_path: Path) -> None:
+    (tmp_path / "mine.yaml").write_text('schema: 1\nname: "our [/b] cloth"\nsource: "KES [gf/cm] of mill [A]"\nW: 16\n')
+    run = garmentcad_here("fabric", "show", "mine.yaml", folder=tmp_path)
+    assert run.returncode == 0, run.stderr
+    assert "our [/b] cloth" in run.stdout
+    assert "KES [gf/cm]" in run.stdout
+    assert "[A]" in run.stdout
+
+
+def test_a_fit_without_weight_is_held_against_itself(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text("property;warp\nLT;0.6\nWT;20\nEMT;5\n")
+    run = garmentcad_here("fabric", "fit", "a.csv", "-o", "a.yaml", folder=tmp_path)
+    assert run.returncode == 2
+    assert "at most 3 % is allowed" in run.stderr
+    assert not (tmp_path / "a.yaml").exists()

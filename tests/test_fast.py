@@ -83,7 +83,7 @@ BAD = [
     ({"W": 20.0, "C.warp": 15.0, "overhang.warp": 30.0}, "C.warp", "both a bending length and an overhang"),
     ({"W": 20.0, "C.warp": 1.5}, "C.warp", "impossible for bending length"),
     ({"E5.warp": 1.0, "E20.warp": 2.0}, "E100.warp", "E100 is missing"),
-    ({"E5.weft": 2.0, "E20.weft": 1.0, "E100.weft": 4.0}, "E100.weft", "a larger load must stretch more"),
+    ({"E5.weft": 2.0, "E20.weft": 1.0, "E100.weft": 4.0}, "E100.weft", "a larger load cannot stretch less"),
     ({"EB5": 0.5, "E5.warp": 0.8, "E5.weft": 0.9, "E100.warp": 4.0, "E100.weft": 4.0}, "EB5", "no more than its yarns give"),
     ({"EB5": 0.0}, "EB5", "impossible"),
 ]
@@ -94,6 +94,13 @@ def test_readings_of_no_cloth_are_refused(values: dict[str, float], key: str, wo
     with pytest.raises(FabricError, match=words) as caught:
         fit_fast(values)
     assert caught.value.key == key
+
+
+def test_readings_that_are_equal_within_their_tenth_are_taken() -> None:
+    """A stiff warp that is read as 0.1 % at 5 and at 20 gf/cm."""
+    fitted = {value.key: value for value in fit_fast({"E5.warp": 0.1, "E20.warp": 0.1, "E100.warp": 0.8})}
+    assert fitted["EMT.warp"].low <= 0.8 <= fitted["EMT.warp"].high
+    assert fitted["LT.warp"].low < fitted["LT.warp"].value < fitted["LT.warp"].high
 
 
 def test_one_extension_gives_its_strain_and_no_linearity() -> None:

@@ -89,3 +89,18 @@ def test_the_how_to_says_what_comes_out(tmp_path: Path) -> None:
     for fitted in fit_sheet("wool-dress", "our laboratory", values, loops).fitted:
         bounds = f"{fitted.low:.4g} to {fitted.high:.4g}" if fitted.key != "Fm" else ""
         assert f"| {fitted.key.removesuffix('.mean')} | {fitted.value:.4g} | {bounds}" in page
+
+
+def test_tension_to_different_forces_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(FabricError, match=r"EMT.warp as a tester prints them, at 500 gf/cm, beside tests to 100"):
+        fit_sheet("x", "us", {"W": 20.0, "EMT.warp": 4.0, "E100.weft": 6.0}, [])
+    curves = table("strain weft [%];force weft [gf/cm]", *(lambda x: (x, tension_record(x, 0.6, 60.0, 6.0, 500.0)))(sweep([0, 6, 0], 200)))
+    _, loops, _ = read_fit_files([write(tmp_path, "curves.csv", curves)])
+    assert fit_sheet("x", "us", {"W": 20.0, "EMT.warp": 4.0}, loops).sheet.number("EMT.warp") == 4.0
+
+
+def test_a_loop_of_two_directions_is_refused(tmp_path: Path) -> None:
+    angle = sweep([0, 8, -8, 0], 200)
+    text = table("angle warp [deg];force weft [gf/cm]", angle, shear_record(angle, 0.6, 0.9, 1.5))
+    with pytest.raises(FileError, match="weft beside warp on its left; one direction is allowed"):
+        read_fit_files([write(tmp_path, "curves.csv", text)])

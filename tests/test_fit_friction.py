@@ -104,3 +104,38 @@ def test_what_is_no_loop_is_refused(spoil: object, words: str) -> None:
         fit_friction([loop("shear", *bad)])
     assert words in str(caught.value)
     assert "made up" in str(caught.value)
+
+
+ALONE = [
+    pytest.param(lambda x, y: (x, np.where(np.arange(len(x)) == 15, 50.0, y)), "sample 16, 50", id="spike"),
+    pytest.param(lambda x, y: (x, np.where((np.arange(len(x)) >= 100) & (np.arange(len(x)) < 105), 0.0, y)), "stands alone", id="drop-out"),
+    pytest.param(lambda x, y: (np.where(np.arange(len(x)) == 30, 99.0, x), y), "sample 31 stands alone at 99", id="angle"),
+    pytest.param(lambda x, y: (x, np.where(np.arange(len(x)) == np.argmax(x) - 2, 40.0, y)), "stands alone", id="before the turn"),
+    pytest.param(lambda x, y: (x, np.clip(y, -3.0, 3.0)), "stand still at 3: the amplifier clips", id="clipped above"),
+    pytest.param(lambda x, y: (x, np.maximum(y, -3.0)), "stand still at -3: the amplifier clips", id="clipped below"),
+]
+
+
+@pytest.mark.parametrize(("spoil", "words"), ALONE)
+def test_samples_that_stand_alone_or_still_are_refused(spoil: object, words: str) -> None:
+    """Of a record that is taken without them, with its noise."""
+    x = sweep(CYCLE, 320)
+    y = shear_record(x, *SUITING.values()) + np.random.default_rng(2).normal(0.0, 0.01, len(x))
+    within(fit_friction([loop("shear", x, y)]), SUITING, 0.35)
+    with pytest.raises(FabricError, match=words):
+        fit_friction([loop("shear", *spoil(x, y))])  # type: ignore[operator]
+
+
+@pytest.mark.parametrize(("samples", "widest"), [(81, 0.4), (121, 0.14), (161, 0.12), (321, 0.1)])
+def test_coarse_records_say_how_little_they_know(samples: int, widest: float) -> None:
+    """From 0.4 degrees between samples on; 2HG is read at the kink of the loop, on a stretch of half a degree."""
+    x = sweep(CYCLE, samples)
+    within(fit_friction([loop("shear", x, shear_record(x, 0.6, 0.9, 1.5))]), {"G": 0.6, "2HG": 0.9, "2HG5": 1.5}, widest)
+
+
+def test_a_recorder_may_stand_at_its_turns_while_the_force_falls() -> None:
+    x = np.concatenate([np.linspace(0.0, 8.0, 60), np.full(6, 8.0), np.linspace(8.0, 0.0, 60)])
+    y = np.where(np.arange(126) < 60, 0.5 * x + 0.45, 0.5 * x - 0.45)
+    y[60:66] = np.linspace(4.45, 3.55, 6)
+    found = {value.key: value.value for value in fit_friction([loop("shear", x, y)])}
+    assert found == pytest.approx({"G.warp": 0.5, "2HG.warp": 0.9, "2HG5.warp": 0.9})

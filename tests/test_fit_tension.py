@@ -85,3 +85,23 @@ def test_what_is_no_loop_is_refused(spoil: object, words: str) -> None:
     with pytest.raises(FabricError) as caught:
         fit_tension([loop(*spoil(x, tension_record(x, 0.58, 60.0, 6.0, 500.0)))])  # type: ignore[operator]
     assert words in str(caught.value)
+
+
+@pytest.mark.parametrize("samples", [40, 80, 160, 800])
+def test_a_sudden_fall_at_the_turn_is_in_the_bounds(samples: int) -> None:
+    """The way back is 60 % of the way out from its first sample on."""
+    x = sweep([0.0, 6.0, 0.0], samples + 1)
+    y = tension_record(x, 0.6, 100.0, 6.0, 500.0)
+    y[samples // 2 + 1 :] *= 0.6
+    found = {value.key: value for value in fit_tension([loop(x, y)])}["RT.weft"]
+    assert found.low <= 60.0 <= found.high, found
+    assert found.high - found.low < 440.0 / samples
+
+
+@pytest.mark.parametrize(("at", "force"), [(40, 5000.0), (40, 0.0), (99, 5000.0)])
+def test_a_sample_that_stands_alone_is_refused(at: int, force: float) -> None:
+    x = sweep([0.0, 6.0, 0.0], 201)
+    y = tension_record(x, 0.6, 60.0, 6.0, 500.0)
+    y[at] = force
+    with pytest.raises(FabricError, match=f"sample {at + 1}, {force:g} .* stands alone"):
+        fit_tension([loop(x, y)])

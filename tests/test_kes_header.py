@@ -29,6 +29,12 @@ UNDERSTOOD = {
     "B_bias_gfcm2_cm": ("B.bias", 1.0),
     "B µN·m mean": ("B.mean", 1 / 98.0665),
     "Fm N/m": ("Fm", 1 / 0.980665),
+    "G N/m": ("G.mean", 1 / 56.187965),
+    "G [N/(m·rad)] warp": ("G.warp", 1 / 56.187965),
+    "G N/m/deg": ("G.mean", 1 / 0.980665),
+    "B [mN·m] warp": ("B.warp", 1000 / 98.0665),
+    "2HB weft (mN)": ("2HB.weft", 1 / 9.80665),
+    "2HB N": ("2HB.mean", 1000 / 9.80665),
     "MMD": ("MMD.mean", 1.0),
     "SMD_um": ("SMD.mean", 1.0),
     "LT": ("LT.mean", 1.0),
@@ -37,7 +43,8 @@ UNDERSTOOD = {
 
 @pytest.mark.parametrize("text", list(UNDERSTOOD))
 def test_understood(text: str) -> None:
-    assert read_label(text) == Label(*UNDERSTOOD[text])
+    key, factor = UNDERSTOOD[text]
+    assert read_label(text) == Label(key, pytest.approx(factor, rel=1e-7))
 
 
 @pytest.mark.parametrize(

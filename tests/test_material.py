@@ -126,3 +126,9 @@ def test_table_has_the_rows_in_order_as_arrays() -> None:
     assert table.areal_mass.tolist() == pytest.approx([0.2, 0.4])
     with pytest.raises(FabricError, match="at least one row"):
         material_table([])
+
+
+@pytest.mark.parametrize(("window", "rising"), [([0.5, 5.0], 1.0), ([0.5, 6.5], 0.75), ([5.0, 8.0], 0.0), ([0.0, 1.0], 0.5)])
+def test_the_slope_holds_as_much_of_friction_as_its_window(window: list[float], rising: float) -> None:
+    """H rises from 0.5 to 5 degrees by (1.02 - 0.75)/2 gf/cm."""
+    assert material_row(completed(shear_window_deg=window)).shear == pytest.approx((0.5 - rising * 0.03) * 56.1879, rel=1e-5)

@@ -145,6 +145,7 @@ def test_means_that_disagree_are_a_finding_not_a_refusal() -> None:
         ({"B": {"warp": 0.12, "weft": 0.09, "bias": 0.1, "mean": 0.2}}, "B.mean", "warp and weft are used"),
         ({"2HG": {"warp": 1.6, "weft": 0.8}}, "2HG.warp", "larger than 2HG5"),
         ({"Tm": 0.7}, "Tm", "larger than T0"),
+        ({"RT": {"warp": 20.0, "weft": 60.0}}, "RT.warp", "gives back 28 % at least"),
         ({"law": {"sheet_sha256": "0" * 64, "values": {"W": 21.0}}}, "law", "is not used"),
     ],
 )

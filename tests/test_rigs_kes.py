@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from garmentcad.fabric.material import MaterialTable, without_friction
-from garmentcad.fabric.sheet import KesSheet, is_calibrated
+from garmentcad.fabric.sheet import KesSheet, KesValue, is_calibrated
 from garmentcad.io.fabric_file import fabric_names, fabric_path, load_fabric, read_fabric, write_fabric, write_law
 from garmentcad.rigs import calibrate as calibration
 from garmentcad.rigs.bending import bending_test, printed_bending
@@ -147,6 +147,12 @@ def test_calibration_makes_testers_that_lose_a_share_print_the_sheet(monkeypatch
         assert corrections[f"{name}.warp"] == pytest.approx(100.0 / lost[name] - 100.0, abs=0.02)
     assert done.law is not None
     assert 0.7 * (100.0 - done.law.values["RT.warp"]) + 2.0 == pytest.approx(100.0 - SHEET.number("RT.warp"), rel=3e-3)
+
+
+def test_what_is_0_on_the_sheet_has_no_correction_in_percent() -> None:
+    elastic = SHEET.with_values({"2HB.warp": KesValue(value=0.0, estimate="elastic")}).model_copy(update={"law": None})
+    law = calibration.with_law(elastic, {"2HB.warp": 0.0, "G.warp": 1.01 * SHEET.number("G.warp")})
+    assert corrections_percent(law) == pytest.approx({"G.warp": 1.0}, rel=1e-3)
 
 
 def test_law_values_go_into_the_file_and_leave_every_other_line_as_it_was(tmp_path) -> None:

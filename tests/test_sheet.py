@@ -123,3 +123,15 @@ def test_ranges_are_nested_and_keys_unique() -> None:
 def test_pydantic_door_raises_the_same_words() -> None:
     with pytest.raises(ValueError, match="divide g/m2 by 10"):
         KesSheet.model_validate({**BASE, "W": 118})
+
+
+@pytest.mark.parametrize("window", [[2.5, 2.5], [2.5, 0.5], [-1.0, 1.0], [0.5, 100.0]])
+def test_a_window_outside_the_tester_is_refused(window: list[float]) -> None:
+    with pytest.raises(FabricError, match="from 0 to 8 is allowed") as caught:
+        sheet_from({**BASE, "W": 12, "shear_window_deg": window})
+    assert caught.value.key == "shear_window_deg"
+
+
+def test_a_calibration_belongs_to_its_window() -> None:
+    usual, wider = (sheet_sha256(sheet_from({**BASE, "W": 12, "shear_window_deg": window})) for window in ([0.5, 2.5], [0.5, 5.0]))
+    assert usual == sheet_sha256(sheet_from({**BASE, "W": 12})) != wider

@@ -67,10 +67,10 @@ def _print(rows: list[dict[str, Any]], floors: dict[int, float], particles: int)
     for group in _fitting(rows, console):
         console.print(_table(group))
     steps = ", ".join(f"{value:.0f} us on {count} thread{'s' if count > 1 else ''}" for count, value in floors.items())
-    console.print(f"floor: the explicit step of {particles} particles with twelve springs takes {steps}", highlight=False)
+    print(f"floor: the explicit step of {particles} particles with twelve springs takes {steps}")
     late = [f"{row['case']} {row['compile_s']:.1f} s" for row in rows if row["compile_s"] > 0.0]
     if late:
-        console.print(f"kernels were compiled meanwhile ({', '.join(late)}): run again for clean times", highlight=False)
+        print(f"kernels were compiled meanwhile ({', '.join(late)}): run again for clean times")
 
 
 def _fitting(rows: list[dict[str, Any]], console: Console) -> list[list[dict[str, Any]]]:
@@ -86,12 +86,14 @@ def _fitting(rows: list[dict[str, Any]], console: Console) -> list[list[dict[str
 
 def _table(rows: list[dict[str, Any]]) -> Table:
     """Cases as columns: a row of numbers is too long for a terminal."""
-    from rich.table import Table
+    from rich.text import Text
+
+    from garmentcad.export.table import PlainTable
 
     def number(value: float | None, form: str) -> str:
         return "-" if value is None else f"{value:{form}}"
 
-    table = Table(title=f"{rows[0]['grid_mm']:g} mm, {rows[0]['threads']} threads", title_justify="left", pad_edge=False)
+    table = PlainTable(f"{rows[0]['grid_mm']:g} mm, {rows[0]['threads']} threads", pad_edge=False)
     table.add_column("", style="dim", no_wrap=True)
     for row in rows:
         table.add_column(row["case"], justify="right")
@@ -100,7 +102,7 @@ def _table(rows: list[dict[str, Any]]) -> Table:
         table.add_row(label, *(number(row[key], form) for row in rows))
     for kind in rows[0]["share"]:
         table.add_row(f"{kind}, share of drape", *(f"{row['share'][kind]:.0%}" for row in rows))
-    table.add_row("status", *(f"[{'green' if row['status'] == 'converged' else 'red'}]{row['status']}[/]" for row in rows))
+    table.add_row("status", *(Text(row["status"], style="green" if row["status"] == "converged" else "red") for row in rows))
     return table
 
 

@@ -102,15 +102,14 @@ def _print_result(report: dict, written: object, compile_s: float, total_s: floa
     from garmentcad.export.report import report_table
     from garmentcad.export.result_folder import WrittenFolder
 
-    console = Console()
-    console.print(report_table(report))
+    Console().print(report_table(report))
     if isinstance(written, WrittenFolder):
         for path in written.files:
-            console.print(f"  {path}", highlight=False, soft_wrap=True)
+            print(f"  {path}")
         for note in written.notes:
-            console.print(f"  {note}", highlight=False, soft_wrap=True)
+            print(f"  {note}")
     spent = f"{total_s:.1f} s in all: {compile_s:.1f} s of them compiling kernels (none the next time), {report['wall_time_s']['drape']:.1f} s drape"
-    console.print(spent, highlight=False)
+    print(spent)
 
 
 class ProgressLine:

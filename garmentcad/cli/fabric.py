@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -47,9 +48,10 @@ def show(
         print(json.dumps({"fabric": completed.sheet.name, "measured_fraction": measured, "rows": [row._asdict() for row in rows]}))
         return
     from rich.console import Console
-    from rich.table import Table
 
-    table = Table(title=f"{completed.sheet.name}: {100 * measured:.0f} % measured", title_justify="left")
+    from garmentcad.export.table import PlainTable
+
+    table = PlainTable(f"{completed.sheet.name}: {100 * measured:.0f} % measured")
     for column in ("value", "", "unit", "from", "noticed"):
         table.add_column(column, overflow="fold")
     for row in rows:
@@ -98,7 +100,7 @@ def write_passport(
         except FileError as error:
             say(f"the calibration is not kept: {error}")
     passport = make_passport(sheet, grid, lays, disc, say)
-    folder = out if out is not None else Path("out") / f"fabric-{sheet.name}"
+    folder = out if out is not None else Path("out") / ("fabric-" + re.sub(r"[^\w.+-]+", "-", sheet.name))  # a name may hold a slash
     write_atomic(folder / "passport.json", report_json(passport.figures))
     write_page(folder / "passport.html", passport)
     if as_json:
@@ -110,9 +112,10 @@ def write_passport(
 
 def _print_passport(passport: Passport, folder: Path) -> None:
     from rich.console import Console
-    from rich.table import Table
 
-    table = Table(title=f"{passport.sheet.name} at {passport.figures['grid_mm']:g} mm", title_justify="left")
+    from garmentcad.export.table import PlainTable
+
+    table = PlainTable(f"{passport.sheet.name} at {passport.figures['grid_mm']:g} mm")
     for column in ("value", "sheet", "virtual tester", "error, %"):
         table.add_column(column, justify="right")
     for key, row in passport.figures["kes"].items():
@@ -122,6 +125,5 @@ def _print_passport(passport: Passport, folder: Path) -> None:
     if drape is not None:
         table.add_row("drape coefficient, %", "", f"{drape['dc_percent']['mean']:.1f}", "")
         table.add_row("nodes", "", f"{drape['nodes']['mean']:.1f}", "")
-    console = Console()
-    console.print(table)
-    console.print(f"  {folder / 'passport.html'}", highlight=False, soft_wrap=True)
+    Console().print(table)
+    print(f"  {folder / 'passport.html'}")

@@ -18,7 +18,7 @@ def fit(
 ) -> None:
     """Fit a sheet to tests, with the bounds that they leave."""
     from garmentcad.fabric.fit import fit_sheet
-    from garmentcad.fabric.missing import complete
+    from garmentcad.fabric.missing import complete, noticed
     from garmentcad.fabric.quantity import quantity_of
     from garmentcad.io.fabric_file import write_fabric
     from garmentcad.io.fit_csv import read_fit_files
@@ -29,23 +29,25 @@ def fit(
     names = ", ".join(path.name for path in files)
     sheet, fitted = fit_sheet(out.stem, f"fitted to {names} by garmentcad fabric fit", values, loops)
     completed = complete(sheet) if sheet.W is not None else None
+    remarks = noticed(sheet) if completed is None else completed.findings
     write_fabric(out, sheet)
-    noticed = [str(finding) for finding in findings] + [str(finding) for finding in (completed.findings if completed else ())]
+    said = [str(finding) for finding in (*findings, *remarks)]
     if completed is None:
-        noticed.append("warning: W: no mass per area came; the sheet needs one before anything can be draped")
+        said.append("warning: W: no mass per area came; the sheet needs one before anything can be draped")
     rows = [{**value._asdict(), "unit": quantity_of(value.key).unit} for value in fitted]
     if as_json:
         assumed = sorted(completed.assumed) if completed else []
-        print(json.dumps({"fabric": sheet.name, "sheet": str(out), "fitted": rows, "assumed": assumed, "findings": noticed}))
+        print(json.dumps({"fabric": sheet.name, "sheet": str(out), "fitted": rows, "assumed": assumed, "findings": said}))
         return
     from rich.console import Console
-    from rich.table import Table
 
-    table = Table(title=f"{sheet.name}: {out}", title_justify="left")
+    from garmentcad.export.table import PlainTable
+
+    table = PlainTable(f"{sheet.name}: {out}")
     for column in ("value", "", "bounds", "unit", "how"):
         table.add_column(column, overflow="fold")
     for value in fitted:
         table.add_row(value.key, f"{value.value:.4g}", f"{value.low:.4g} to {value.high:.4g}", quantity_of(value.key).unit, value.how)
     Console().print(table)
-    for line in noticed:
+    for line in said:
         print(line)

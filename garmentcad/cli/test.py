@@ -65,23 +65,24 @@ def _run(cases: list[GarmentTestCase], out: Path, quiet: bool) -> list[Judgement
 
 def _print(judged: Judgement) -> None:
     from rich.console import Console
-    from rich.table import Table
+    from rich.text import Text
 
-    console = Console()
+    from garmentcad.export.table import PlainTable
+
     if judged.refusal is not None:
         print(f"garmentcad: {judged.case.name}: {judged.refusal}", file=sys.stderr)
         return
-    table = Table(title=f"{judged.case.name} ({judged.wall_s:.0f} s)", title_justify="left", pad_edge=False)
+    table = PlainTable(f"{judged.case.name} ({judged.wall_s:.0f} s)", pad_edge=False)
     table.add_column("assertion", no_wrap=True)
     for column in ("expected", "came", "verdict"):
         table.add_column(column)
     for verdict in judged.verdicts:
-        table.add_row(verdict.key, verdict.expected, verdict.came, "[green]holds[/]" if verdict.passed else "[red]FAILS[/]")
-    console.print(table)
+        table.add_row(verdict.key, verdict.expected, verdict.came, Text("holds", style="green") if verdict.passed else Text("FAILS", style="red"))
+    Console().print(table)
     for path in judged.files:
-        console.print(f"  {path}", highlight=False, soft_wrap=True)
+        print(f"  {path}")
     for note in judged.notes:
-        console.print(f"  {note}", highlight=False, soft_wrap=True)
+        print(f"  {note}")
 
 
 def _remake(cases: list[GarmentTestCase], lays: int, quiet: bool) -> None:

@@ -17,6 +17,7 @@ from garmentcad.analysis.plane_fit import loops_in_plane
 from garmentcad.analysis.refinement import error_bars
 from garmentcad.errors import InputError
 from garmentcad.export.result_folder import Result
+from garmentcad.export.table import PlainTable
 from garmentcad.io.atomic import write_atomic
 
 IDENTITY = ("schema", "garment", "fabric", "mannequin", "grid_mm", "seed", "status", "versions", "spec_sha256", "state_sha256")
@@ -109,7 +110,7 @@ def fit_tables(fit: Mapping[str, Any]) -> list[Table]:
 
 def plain_table(first: str, *others: str) -> Table:
     """An empty table: a column of names and columns of numbers."""
-    table = Table(title_justify="left")
+    table = PlainTable()
     table.add_column(first, no_wrap=True)
     for other in others:
         table.add_column(other, justify="right")

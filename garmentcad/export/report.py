@@ -11,12 +11,14 @@ from typing import Any
 
 import numpy as np
 from rich.table import Table
+from rich.text import Text
 
 from garmentcad.analysis.carried import SIDES
 from garmentcad.analysis.ease import EASE_LINES
 from garmentcad.analysis.hem_shape import HemShape
 from garmentcad.analysis.measures import Measures, unmeasured
 from garmentcad.analysis.run_record import RunRecord
+from garmentcad.export.table import PlainTable
 from garmentcad.io.atomic import write_atomic
 
 SCHEMA = 1
@@ -120,11 +122,11 @@ def write_report(path: str | Path, report: Mapping[str, Any]) -> Path:
 
 def report_table(report: Mapping[str, Any]) -> Table:
     """The figures that a person looks at first, for the terminal."""
-    table = Table(title=f"{report['garment']} · {report['fabric']} · {report['mannequin']}", show_header=False, title_justify="left", pad_edge=False)
+    table = PlainTable(f"{report['garment']} · {report['fabric']} · {report['mannequin']}", show_header=False, pad_edge=False)
     table.add_column("quantity", style="dim", no_wrap=True)
     table.add_column("value")
     status = report["status"]
-    table.add_row("status", f"[{STATUS_STYLE[status]}]{status}[/]")
+    table.add_row("status", Text(status, style=STATUS_STYLE[status]))
     table.add_row("lattice", f"{_show(report['grid_mm'])} mm, {report['particles']} particles, {report['triangles']} triangles, {report['panels']} panels")
     table.add_row("motion", f"{report['steps']} steps of {_show(_thousandfold(report['time_step_s']))} ms, {_show(report['simulated_time_s'])} s simulated")
     wall = report["wall_time_s"]
@@ -155,14 +157,15 @@ def report_table(report: Mapping[str, Any]) -> Table:
     for name, band in report["bands"].items():
         table.add_row(f"band {name}", f"{_show(band['tension_n'])} N, {band['length_mm']:.0f} mm long, {band['rest_length_mm']:.0f} mm at rest")
     table.add_row("seam gap at welding", f"{_show(report['seam_gap_mm']['max'], 2)} mm")
-    table.add_row("intersections", f"{_count(report['self_intersections'])} in the cloth, {_count(report['mannequin_intersections'])} with the mannequin")
+    crossings = _count(report["self_intersections"]), " in the cloth, ", _count(report["mannequin_intersections"]), " with the mannequin"
+    table.add_row("intersections", Text.assemble(*crossings))
     table.add_row("deepest penetration", f"{_show(report['mannequin_penetration_mm']['max'], 2)} mm")
     if "movement" in report:
         table.add_row("movement", _movement(report["movement"]))
     if report["uncalibrated"]:
         table.add_row("fabric law", "uncalibrated: values as printed on the sheet")
     for warning in report["warnings"]:
-        table.add_row("[yellow]warning[/]", warning)
+        table.add_row(Text("warning", style="yellow"), warning)
     return table
 
 
@@ -205,5 +208,5 @@ def _show(value: float | None, digits: int = 3) -> str:
     return "not measured" if value is None else f"{value:.{digits}g}" if abs(value) < 10.0**digits else f"{value:.0f}"
 
 
-def _count(value: int | None) -> str:
-    return "not counted" if value is None else f"[red]{value}[/]" if value else "0"
+def _count(value: int | None) -> Text:
+    return Text("not counted" if value is None else f"{value}", style="red" if value else "")

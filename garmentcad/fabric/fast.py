@@ -83,8 +83,8 @@ def _tension(readings: dict[str, float], way: str) -> list[FittedValue]:
     if "E100" not in readings:
         raise FabricError("E100 is missing; the other extensions need it, it is the end of the curve", key=f"E100.{way}")
     strains = list(readings.values())
-    if strains != sorted(set(strains)):
-        raise FabricError(f"{', '.join(f'{name} = {value:g} %' for name, value in readings.items())}: a larger load must stretch more", key=f"E100.{way}")
+    if strains != sorted(strains):
+        raise FabricError(f"{', '.join(f'{name} = {value:g} %' for name, value in readings.items())}: a larger load cannot stretch less", key=f"E100.{way}")
     forces = [LOADS_GF_CM[name] for name in readings]
     if len(readings) == 1:
         end = strains[0]

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from garmentcad.fabric.fitted import FittedValue
-from garmentcad.fabric.recorded_loop import Leg, RecordedLoop, cut_legs, spread_by_noise, value_near
+from garmentcad.fabric.recorded_loop import SIGMAS, Leg, RecordedLoop, cut_legs, spread_by_noise, value_near
 
 MIN_IN_WINDOW = 4
 RESOLVED = 1e-3  # share of a value that a record resolves at best
@@ -50,18 +50,25 @@ def fit_friction(loops: Sequence[RecordedLoop]) -> list[FittedValue]:
     fitted = []
     for loop in loops:
         found, spread = _values(loop), spread_by_noise(loop, _values)
-        finer = _values(loop, 0.5)
+        kinked, by_noise = _narrowed(loop), spread_by_noise(loop, _narrowed)
         low, high = READINGS[loop.test].window
         window = f", slope between {low:g} and {high:g} {READINGS[loop.test].unit}"
         for name, value in found.items():
-            half = spread[name] + 3.0 * abs(value - finer[name]) + RESOLVED * abs(value)  # a kink under the stretch errs in proportion to it
+            # a kink under the stretch errs in proportion to it; what noise alone would change is no kink
+            half = spread[name] + 3.0 * max(0.0, abs(kinked[name]) - by_noise[name] / SIGMAS) + RESOLVED * abs(value)
             how = f"{loop.test} loop of {len(loop.x)} samples" + (window if name == READINGS[loop.test].stiffness else "")
             fitted.append(FittedValue(f"{name}.{loop.way}", value, max(0.0, value - half), value + half, how))
     return fitted
 
 
+def _narrowed(loop: RecordedLoop) -> dict[str, float]:
+    """By how much the values change where widths are read on half of the stretch."""
+    narrow = _values(loop, 0.5)
+    return {name: value - narrow[name] for name, value in _values(loop).items()}
+
+
 def _values(loop: RecordedLoop, narrower: float = 1.0) -> dict[str, float]:
-    """Stiffness and widths; `narrower` scales the stretch on which a width is read."""
+    """Stiffness and widths; `narrower` scales the stretch on which a width is read, and the number of samples where a coarse record has none on it."""
     reading = READINGS[loop.test]
     low, high = reading.window
     sides = _sides(loop)
@@ -78,8 +85,8 @@ def _values(loop: RecordedLoop, narrower: float = 1.0) -> dict[str, float]:
     for name, at in reading.widths.items():
         reached = [side for side in sides if min(side.out[0].max(), side.back[0].max()) >= at]
         if reached:
-            near = reading.near * narrower
-            width = float(np.mean([value_near(*side.out, at, near) - value_near(*side.back, at, near) for side in reached]))
+            near, fewest = reading.near * narrower, int(MIN_IN_WINDOW * narrower)
+            width = float(np.mean([value_near(*side.out, at, near, fewest) - value_near(*side.back, at, near, fewest) for side in reached]))
             if width < -0.05 * stiffness * at:
                 raise loop.refuse(f"at {at:g} {reading.unit} the way back lies {-width:.3g} above the way out")
             values[name] = max(0.0, width)

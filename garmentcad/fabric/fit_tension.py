@@ -44,9 +44,20 @@ def fit_tension(loops: Sequence[RecordedLoop]) -> list[FittedValue]:
 
         found, spread = values(loop), spread_by_noise(loop, values)
         for name, value in found.items():
-            half = spread[name] + (RESOLVED + STEPS / len(loop.x) ** 2) * abs(value)
+            half = spread[name] + (RESOLVED + STEPS / len(loop.x) ** 2) * abs(value) + (_unseen_of_turn(loop) if name == "RT" else 0.0)
             fitted.append(FittedValue(f"{name}.{loop.way}", value, value - half, value + half, f"tension loop of {len(loop.x)} samples"))
     return fitted
+
+
+def _unseen_of_turn(loop: RecordedLoop) -> float:
+    """Points of RT by which the trapezoid at the turn may be off: where the force falls faster in the first step back than in those after it, nobody saw when."""
+    out, back = cut_legs(loop)[:2]
+    way, fall = np.abs(np.diff(back.x[:4])), np.abs(np.diff(back.y[:4]))
+    if len(fall) < 3:
+        return 0.0
+    first, second, third = fall / np.maximum(way, 1e-12)
+    sudden = way[0] * max(0.0, first - 2.0 * second + third)
+    return float(50.0 * way[0] * sudden / np.trapezoid(out.y, out.x))
 
 
 def _end(loop: RecordedLoop) -> dict[str, float]:

@@ -2,8 +2,8 @@
 
 gamma [rad] is the departure of the angle between warp and weft from its rest value; T is force per width. H [N/m], half the width of the loop on the KES-FB1
 tester, is 2HG/2 below 0.5 degrees, rises linearly to 2HG5/2 at 5 degrees and is constant beyond. The slope G that the tester prints between 0.5 and 2.5
-degrees holds dH/dgamma, hence G_e = G - (2HG5 - 2HG)/(2 x 4.5 degrees); 1 gf/(cm deg) = 56.19 N/m per rad. Beyond the tester's 8 degrees T goes on with the
-same slope.
+degrees holds dH/dgamma, hence G_e = G - (2HG5 - 2HG)/(2 x 4.5 degrees), times the share of the window on which H rises where a sheet names another one;
+1 gf/(cm deg) = 56.19 N/m per rad. Beyond the tester's 8 degrees T goes on with the same slope.
 """
 
 from __future__ import annotations
@@ -16,7 +16,14 @@ from garmentcad.arrays import kernel
 from garmentcad.fabric.internal_friction import dragged
 
 STICK = 10.0  # k/G_e below LOW; above HIGH it is H(HIGH)/H(LOW) times as much, at most 2 STICK; an estimate
-LOW, HIGH = math.radians(0.5), math.radians(5.0)
+_LOW_DEG, _HIGH_DEG = 0.5, 5.0
+LOW, HIGH = math.radians(_LOW_DEG), math.radians(_HIGH_DEG)
+
+
+def rising_share(low_deg: float, high_deg: float) -> float:
+    """Share of a window of angles, degrees, on which H rises: all of the tester's 0.5 to 2.5."""
+    rising = min(max(high_deg, _LOW_DEG), _HIGH_DEG) - min(max(low_deg, _LOW_DEG), _HIGH_DEG)
+    return rising / (high_deg - low_deg)
 
 
 def stick_way(low: float, high: float, stiffness: float) -> float:

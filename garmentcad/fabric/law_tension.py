@@ -116,17 +116,24 @@ def solve_exponent(lt: float) -> float:
 
 
 def friction_share(resilience: float, exponent: float) -> float:
-    """c with which the loop up to em gives RT/100 = `resilience` of its energy back: (1 - RT/100)/(2 (1 - J/W)), at most 1/2.
+    """c with which the loop up to em gives RT/100 = `resilience` of its energy back: (1 - RT/100)/(2 (1 - J/W)), at most 1/2, J/W of `least_resilience`.
 
-    W is the energy up to em, J that which the stick springs let through while they turn: of F (e - em + 2 d)/(2 d) over the last 2 d. With more than 1/2 the
-    cloth would push on its way back: such a sheet (RT below a quarter, about) prints more than its RT.
+    With more than 1/2 the cloth would push on its way back: a sheet of less resilience prints more than its RT.
+    """
+    return min(0.5 * (1.0 - resilience) / (1.0 - least_resilience(exponent)), 0.5)
+
+
+def least_resilience(exponent: float) -> float:
+    """J/W, the least share of its energy that a loop up to em can give back: 0.26 at LT 0.65, 0.45 at 0.3.
+
+    W is the energy up to em, J that which the stick springs let through while they turn: of F (e - em + 2 d)/(2 d) over the last 2 d.
     """
     slope = float(initial_slope(1.0, 1.0, exponent))
     turned = 0.0
     for place, weight in zip(_PLACES, _WEIGHTS):
         u = 1.0 - WAY + WAY * place
         turned += WAY * weight * loading(u, 1.0, 1.0, exponent, slope)[0] * (u - 1.0 + 2.0 * WAY) / (2.0 * WAY)
-    return min(0.5 * (1.0 - resilience) / (1.0 - turned / loading_energy(1.0, 1.0, 1.0, exponent, slope)), 0.5)
+    return float(turned / loading_energy(1.0, 1.0, 1.0, exponent, slope))
 
 
 def strain_at_force(force: float, em: float, fm: float, exponent: float) -> float:

@@ -84,7 +84,8 @@ def material_row(sheet: KesSheet, factors: Mapping[str, float] | None = None, in
     bend_warp, bend_weft = (stiffness * GF_CM2_CM_TO_N_M for stiffness in both("B"))
     hold_warp, hold_weft, hold_bias = (0.5 * value(f"2HB.{way}") * GF_CM_CM_TO_N for way in ("warp", "weft", "bias"))
     slope, narrow, wide = (0.5 * sum(both(name)) for name in ("G", "2HG", "2HG5"))
-    elastic = max(slope - (wide - narrow) / (2.0 * math.degrees(law_shear.HIGH - law_shear.LOW)), LEAST_ELASTIC_SHEAR * slope) * GF_CM_DEG_TO_N_M_RAD
+    rise = law_shear.rising_share(*sheet.shear_window_deg) * (wide - narrow) / (2.0 * math.degrees(law_shear.HIGH - law_shear.LOW))
+    elastic = max(slope - rise, LEAST_ELASTIC_SHEAR * slope) * GF_CM_DEG_TO_N_M_RAD
     low, high = 0.5 * narrow * GF_CM_TO_N_M, 0.5 * wide * GF_CM_TO_N_M
     resilience = both("RT")
     if max(resilience) > 100.0:

@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 from garmentcad.errors import FabricError
 from garmentcad.fabric.finding import Finding, Severity
+from garmentcad.fabric.law_tension import least_resilience, solve_exponent
 from garmentcad.fabric.quantity import QUANTITIES, quantity_of
 from garmentcad.fabric.sheet import KesSheet, KesValue, is_calibrated
 
@@ -137,7 +138,7 @@ FILLED: tuple[str, ...] = tuple(dict.fromkeys(["W", *(rule.key for rule in RULES
 def complete(sheet: KesSheet) -> Completed:
     """Check a sheet against itself and fill its gaps by the rules. FabricError where W is missing, a rule gives an impossible number, or WT contradicts
     LT, Fm and EMT by more than 3 %."""
-    findings = [*_unusual(sheet), *_contradictions(sheet)]
+    findings = noticed(sheet)
     if sheet.W is None:
         raise FabricError("the mass per area is missing; nothing can stand in for it (1 mg/cm2 is 10 g/m2)", key="W")
     numbers = {key: value.value for key, value in sheet.values().items()}
@@ -155,10 +156,19 @@ def complete(sheet: KesSheet) -> Completed:
         filled[rule.key] = KesValue(value=number, estimate=rule.text)
         unit = "" if quantity.unit == "-" else f" {quantity.unit}"
         findings.append(Finding(rule.severity, rule.key, f"missing; taken as {number:.4g}{unit}: {rule.text}"))
+    for way in ("warp", "weft"):
+        least = 100.0 * least_resilience(solve_exponent(numbers[f"LT.{way}"]))
+        if numbers[f"RT.{way}"] < least:
+            findings.append(Finding("warning", f"RT.{way}", f"with LT = {numbers[f'LT.{way}']:g} the law gives back {least:.0f} % at least; it prints that"))
     done = sheet.with_values(filled)
     if done.law is not None and not is_calibrated(done):
         findings.append(Finding("warning", "law", "the calibrated law belongs to other numbers of this sheet and is not used; calibrate again"))
     return Completed(done, tuple(findings), frozenset(filled))
+
+
+def noticed(sheet: KesSheet) -> list[Finding]:
+    """What is unusual in the values that a sheet has, gaps or not. FabricError where WT contradicts LT, Fm and EMT by more than 3 %."""
+    return [*_unusual(sheet), *_contradictions(sheet)]
 
 
 def measured_fraction(sheet: KesSheet) -> float:

@@ -1,7 +1,11 @@
-"""One recorded loop of a KES tester, cut into its branches: how far it goes, where it turns, which part leads out and which comes back."""
+"""One recorded loop of a KES tester, cut into its branches: how far it goes, where it turns, which part leads out and which comes back.
+
+A record with samples that stand alone, or whose amplifier clips, is refused: a single one of them can move a value by a third, and no bound shows it.
+"""
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from typing import Literal, NamedTuple
 
@@ -14,6 +18,13 @@ Test = Literal["tension", "shear", "bending"]
 MIN_SAMPLES = 20
 MAX_SAMPLES = 200_000
 TURN = 0.1  # share of the range that the recorder must go back before a point counts as a turn
+# A sample stands alone where it is this far from the median of those around it, so many on either side: a curve that rises or falls, however steeply, goes
+# through its own median. Strain and angle turn, by a step or two of a coarse record.
+AROUND, ALONE_SHARE, ALONE_SIGMAS = 5, 0.05, 8.0
+AROUND_TURN, ALONE_AT_TURN = 2, 0.2
+ALONE_AT_END = 0.5  # share of the range, of the last sample before a turn from the line through the two before it: a tension curve is steep there
+AT_TURN = 0.002  # share of the way within which the recorder stands
+CLIPPED = 0.05  # share of the way over which the force or moment stands still at its largest
 COPIES = 60  # evaluations with the noise added once more
 SIGMAS = 3.0
 
@@ -45,7 +56,8 @@ class Leg(NamedTuple):
 
 
 def record(test: Test, way: str, x: np.ndarray, y: np.ndarray, place: str) -> RecordedLoop:
-    """A loop from its samples. FabricError for too few of them, no extent, numbers that are not finite, or a record that never turns back."""
+    """A loop from its samples. FabricError for too few of them, no extent, numbers that are not finite, a record that never turns back, and samples that stand
+    alone or still."""
     if not MIN_SAMPLES <= len(x) <= MAX_SAMPLES:
         raise _refuse(place, f"{len(x)} samples; {MIN_SAMPLES} to {MAX_SAMPLES} are allowed")
     if not (np.isfinite(x).all() and np.isfinite(y).all()):
@@ -53,16 +65,68 @@ def record(test: Test, way: str, x: np.ndarray, y: np.ndarray, place: str) -> Re
     extent = float(np.ptp(x))
     if extent <= 0.0 or float(np.ptp(y)) <= 0.0:
         raise _refuse(place, "the curve has no extent")
+    if (jump := _alone(x, AROUND_TURN, ALONE_AT_TURN * _range(x))) is not None:
+        raise _refuse(place, f"sample {jump + 1} stands alone at {x[jump]:g}, between {x[max(0, jump - 1)]:g} and {x[min(len(x) - 1, jump + 1)]:g}")
     turns = _turns(x, TURN * extent)
     if len(turns) < 3:
         raise _refuse(place, "the curve never turns back (a table sorted by its first column is no record of time)")
-    return RecordedLoop(test, way, x, y, tuple(turns), place)
+    loop = RecordedLoop(test, way, x, y, tuple(turns), place)
+    height = _range(y)
+    off = max(ALONE_SHARE * height, ALONE_SIGMAS * noise_of(y, x))
+    for a, b in _moving(x, turns, AT_TURN * extent):
+        _refuse_alone(loop, a, b, off, max(ALONE_AT_END * height, off))
+        _refuse_still(loop, a, b, CLIPPED * extent)
+    return loop
+
+
+def _refuse_alone(loop: RecordedLoop, a: int, b: int, off: float, off_at_end: float) -> None:
+    """FabricError where a sample from a to b stands alone; both bounds in the unit of y."""
+    x, y = loop.x, loop.y
+    lone = _alone(y[a : b + 1], AROUND, off)
+    if lone is None and b - a > 1 and abs(y[b] - 2.0 * y[b - 1] + y[b - 2]) > off_at_end:
+        lone = b - a
+    if lone is not None:
+        raise loop.refuse(f"sample {a + lone + 1}, {y[a + lone]:g} at {x[a + lone]:g}, stands alone between its neighbours")
+
+
+def _refuse_still(loop: RecordedLoop, a: int, b: int, least: float) -> None:
+    """FabricError where from sample a to b y stands still at its largest, of shear and bending at its smallest too, while x goes farther than `least`."""
+    x, y = loop.x[a : b + 1], loop.y[a : b + 1]
+    for value in (y.max(),) if loop.test == "tension" else (y.max(), y.min()):
+        still = np.flatnonzero(y == value)
+        if np.ptp(x[still]) > least and len(still) == still[-1] - still[0] + 1:
+            raise loop.refuse(f"samples {a + still[0] + 1} to {a + still[-1] + 1} stand still at {value:g}: the amplifier clips")
+
+
+def _moving(x: np.ndarray, turns: list[int], near: float) -> list[tuple[int, int]]:
+    """First and last sample of each leg without those within `near` of its turns, where the recorder may stand while the force falls."""
+    found = []
+    for a, b in itertools.pairwise(turns):
+        going = a + np.flatnonzero((np.abs(x[a : b + 1] - x[a]) > near) & (np.abs(x[a : b + 1] - x[b]) > near))
+        found += [(int(going[0]), int(going[-1]))] if len(going) else []
+    return found
+
+
+def _range(values: np.ndarray) -> float:
+    """Extent of the values without the outermost hundredth at either end."""
+    low, high = np.percentile(values, (1.0, 99.0))
+    return float(high - low)
+
+
+def _alone(values: np.ndarray, around: int, off: float) -> int | None:
+    """The sample that is farthest from the median of those around it, where that is more than `off`; the ends are mirrored, so that they may be steep."""
+    reach = min(around, len(values) - 1)
+    before, after = 2.0 * values[0] - values[reach:0:-1], 2.0 * values[-1] - values[-2 : -reach - 2 : -1]
+    windows = np.lib.stride_tricks.sliding_window_view(np.concatenate([before, values, after]), 2 * reach + 1)
+    apart = np.abs(values - np.median(windows, axis=1))
+    worst = int(np.argmax(apart))
+    return worst if apart[worst] > off else None
 
 
 def cut_legs(loop: RecordedLoop) -> list[Leg]:
     """The legs of a loop, in the order of time."""
     x, y = loop.x, loop.y
-    return [Leg(x[a : b + 1], y[a : b + 1], float(np.sign(x[b] - x[a]))) for a, b in zip(loop.turns[:-1], loop.turns[1:])]
+    return [Leg(x[a : b + 1], y[a : b + 1], float(np.sign(x[b] - x[a]))) for a, b in itertools.pairwise(loop.turns)]
 
 
 def _refuse(place: str, message: str) -> FabricError:
@@ -87,11 +151,11 @@ def _turns(x: np.ndarray, threshold: float) -> list[int]:
     return [*turns, extreme] if extreme == last or abs(x[last] - x[extreme]) < 0.5 * threshold else [*turns, extreme, last]
 
 
-def value_near(x: np.ndarray, y: np.ndarray, at: float, half_width: float) -> float:
-    """Height of a branch at x = `at`: a straight line through the samples within half_width, or through the four nearest where they are fewer."""
+def value_near(x: np.ndarray, y: np.ndarray, at: float, half_width: float, fewest: int) -> float:
+    """Height of a branch at x = `at`: a straight line through the samples within half_width, or through the `fewest` nearest where they are fewer."""
     near = np.flatnonzero(np.abs(x - at) <= half_width)
-    if len(near) < 4:
-        near = np.argsort(np.abs(x - at), kind="stable")[:4]
+    if len(near) < fewest:
+        near = np.argsort(np.abs(x - at), kind="stable")[:fewest]
     return float(np.polynomial.polynomial.polyfit(x[near] - at, y[near], 1)[0])
 
 

@@ -16,6 +16,9 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 from garmentcad.errors import FabricError, did_you_mean
 from garmentcad.fabric.quantity import KEYS, quantity_of
 
+SHEAR_WINDOW_DEG = (0.5, 2.5)
+SHEARED_DEG = 8.0  # how far KES-FB1 shears
+
 
 class _Model(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
@@ -66,7 +69,7 @@ class KesSheet(_Model):
     """One fabric. Raised by `sheet_from` and by pydantic alike: unknown keys, values that are not finite numbers, impossible ranges, no source.
 
     source: who measured the values that name nothing themselves. sources: short names for citations; then every `source` is one of them.
-    shear_window_deg: the angles between which G was read as a slope.
+    shear_window_deg: the angles between which G was read as a slope, inside the tester's 0 to 8 degrees.
     """
 
     schema_: Literal[1] = Field(alias="schema")
@@ -76,7 +79,7 @@ class KesSheet(_Model):
     weave: str | None = None
     source: str | None = Field(default=None, min_length=1)
     sources: dict[str, str] = Field(default_factory=dict)
-    shear_window_deg: tuple[float, float] = (0.5, 2.5)
+    shear_window_deg: tuple[float, float] = SHEAR_WINDOW_DEG
     W: KesValue | None = None
     T0: KesValue | None = None
     Tm: KesValue | None = None
@@ -100,6 +103,9 @@ class KesSheet(_Model):
 
     @model_validator(mode="after")
     def _values_are_possible(self) -> KesSheet:
+        low, high = self.shear_window_deg
+        if not 0.0 <= low < high <= SHEARED_DEG:
+            raise FabricError(f"{low:g} to {high:g} degrees came; a rising pair from 0 to {SHEARED_DEG:g} is allowed", key="shear_window_deg")
         for key, value in self.values().items():
             low, high = quantity_of(key).possible
             if not low <= value.value <= high:
@@ -224,7 +230,9 @@ def _allowed_keys(where: list[str]) -> list[str]:
 
 def sheet_sha256(sheet: KesSheet) -> str:
     """Hash of the numbers of a sheet (no names, sources or law). A calibration belongs to the hash of the completed sheet."""
-    numbers = {key: value.value for key, value in sheet.values().items()}
+    numbers: dict[str, Any] = {key: value.value for key, value in sheet.values().items()}
+    if sheet.shear_window_deg != SHEAR_WINDOW_DEG:
+        numbers["shear_window_deg"] = sheet.shear_window_deg
     return hashlib.sha256(json.dumps(numbers, sort_keys=True).encode()).hexdigest()
 
 

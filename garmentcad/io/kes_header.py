@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -42,6 +43,8 @@ _WORDS: dict[tuple[str, ...], str] = {
 _DIRECTIONS = {"warp": "warp", "1": "warp", "weft": "weft", "filling": "weft", "2": "weft", "bias": "bias", "mean": "mean", "average": "mean", "avg": "mean"}
 _NUMBERED = re.compile(r"(lt|wt|rt|emt|2hg5|2hg|2hb|b|g|c)([12])")  # B1, B2: the testers' numbers of warp and weft
 
+_PER_RAD = math.pi / 180.0
+
 # Letters of the unit run together -> factor to the testers' unit. A label without a unit is in the testers' unit.
 _UNITS: dict[str, dict[str, float]] = {
     "-": {"": 1.0},
@@ -51,9 +54,10 @@ _UNITS: dict[str, dict[str, float]] = {
     "um": {"": 1.0, "um": 1.0, "micron": 1.0},
     "gf/cm": {"": 1.0, "gfcm": 1.0, "nm": 1.0 / 0.980665},
     "gf.cm/cm2": {"": 1.0, "gfcmcm2": 1.0, "jm2": 1.0 / 0.980665},
-    "gf/(cm.deg)": {"": 1.0, "gfcmdeg": 1.0, "gfcmdegree": 1.0},
-    "gf.cm2/cm": {"": 1.0, "gfcm2cm": 1.0, "unm": 1.0 / 98.0665},
-    "gf.cm/cm": {"": 1.0, "gfcmcm": 1.0},
+    # N/m alone is per radian, as FAST has G
+    "gf/(cm.deg)": {"": 1.0, "gfcmdeg": 1.0, "gfcmdegree": 1.0, "nmdeg": 1.0 / 0.980665, "nmrad": _PER_RAD / 0.980665, "nm": _PER_RAD / 0.980665},
+    "gf.cm2/cm": {"": 1.0, "gfcm2cm": 1.0, "unm": 1.0 / 98.0665, "mnm": 1e3 / 98.0665},
+    "gf.cm/cm": {"": 1.0, "gfcmcm": 1.0, "n": 1.0 / 9.80665e-3, "mn": 1e-3 / 9.80665e-3},
 }
 
 

@@ -79,6 +79,8 @@ def recorded_loops(table: CsvTable, file: str) -> list[RecordedLoop]:
             continue
         if across is None or across[1].test != column.test:
             raise FileError(f"{where}: no column of {_partner(column.test)} on its left; one is wanted", file=file)
+        if column.way and across[1].way and column.way != across[1].way:
+            raise FileError(f"{where}: {column.way} beside {across[1].way} on its left; one direction is allowed for a loop", file=file)
         x, y = _samples(rows, table, (across[0], place), (across[1], column), file)
         way = column.way or across[1].way or "mean"
         allowed = BENDING_WAYS if column.test == "bending" else WAYS

@@ -74,8 +74,9 @@ def with_law(sheet: KesSheet, values: dict[str, float]) -> KesSheet:
 
 
 def corrections_percent(sheet: KesSheet) -> dict[str, float]:
-    """By how much each law value of a calibrated sheet differs from the sheet's own; empty without a law."""
-    return {} if sheet.law is None else {key: 100.0 * (value / sheet.number(key) - 1.0) for key, value in sheet.law.values.items()}
+    """By how much each law value of a calibrated sheet differs from the sheet's own, where that is not 0; empty without a law."""
+    law = {} if sheet.law is None else sheet.law.values
+    return {key: 100.0 * (value / sheet.number(key) - 1.0) for key, value in law.items() if sheet.number(key) != 0.0}
 
 
 def beyond_tester_percent(sheet: KesSheet) -> dict[str, float]:
