@@ -38,6 +38,24 @@ def test_seconds_left_follow_the_residual(monkeypatch: pytest.MonkeyPatch) -> No
     assert seen[-1][2] is None
 
 
+def test_no_more_is_left_than_the_cap(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A residual that hardly falls."""
+    made, state = course(1.0, 0.2, "drape")
+    began = state.time_s
+
+    def residual(*_: object) -> Residual:
+        share = 1e3 - 10.0 * (state.time_s - began)
+        return Residual(share * RESIDUAL_G, share * PATCH_RESIDUAL_G, np.ones(patches(CLOTH).max() + 1))
+
+    monkeypatch.setattr(course_module, "residual", residual)
+    state.phase, state.run = "settle", {"phase_from_s": began}
+    seen: list[tuple[float, float | None]] = []
+    assert made.run(state, lambda progress: seen.append((progress.time_s, progress.eta_s))) == "max_time"
+    assert len(seen) > 3
+    for time_s, eta_s in seen[1:]:
+        assert eta_s == pytest.approx(max(0.0, 0.2 - time_s))
+
+
 def test_wall_seconds_left_follow_the_last_looks(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     """The first look took 100 s, for kernels that were compiled; from then on a simulated second takes 20, and at the end 40."""
     clock = [0.0]

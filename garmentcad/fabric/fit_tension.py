@@ -50,7 +50,7 @@ def fit_tension(loops: Sequence[RecordedLoop]) -> list[FittedValue]:
 
 
 def _unseen_of_turn(loop: RecordedLoop) -> float:
-    """Points of RT by which the trapezoid at the turn may be off: where the force falls faster in the first step back than in those after it, nobody saw when."""
+    """Points of RT by which the trapezoid at the turn may be off: where the force falls faster in the first step back than in the next, nobody saw when."""
     out, back = cut_legs(loop)[:2]
     way, fall = np.abs(np.diff(back.x[:4])), np.abs(np.diff(back.y[:4]))
     if len(fall) < 3:

@@ -218,9 +218,10 @@ class Course:
         state.contact["settle_drag"] = np.clip(drag, SETTLE_DRAG, SETTLE_MOST)[self._patch]
 
     def _eta(self, state: State, left: Residual | None) -> float | None:
-        """The watch, and before it what is left of settling: from how fast the residual has come down to what lets the watch begin."""
+        """The watch, and before it what is left of settling: from how fast the residual has come down to what lets the watch begin. At most up to the cap."""
+        most = max(0.0, self.max_time_s - state.time_s)
         if state.phase == "watch":
-            return max(0.0, state.run["watch_from_s"] + WATCH_S - state.time_s)
+            return min(max(0.0, state.run["watch_from_s"] + WATCH_S - state.time_s), most)
         if state.phase != "settle" or left is None:
             return None
         above = math.log(max(left.rms_g / RESIDUAL_G, left.worst_patch_g / PATCH_RESIDUAL_G, 1e-12) / READY)
@@ -228,7 +229,7 @@ class Course:
             state.run["eta_above"], state.run["eta_from_s"] = above, state.time_s
             return None
         fallen = state.run["eta_above"] - above
-        return max(0.0, above * (state.time_s - state.run["eta_from_s"]) / fallen) + WATCH_S if fallen > 0.0 else None
+        return min(max(0.0, above * (state.time_s - state.run["eta_from_s"]) / fallen) + WATCH_S, most) if fallen > 0.0 else None
 
     def _enter(self, state: State, phase: str) -> None:
         state.phase = phase
