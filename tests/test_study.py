@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
 
 from garmentcad.errors import FileError, InputError
+from garmentcad.simulation.run import Interrupted
 from garmentcad.simulation.study import StudyCase, read_rows, run_study, study_table, write_study_table
 
 
@@ -18,7 +20,7 @@ def case(name: str, fabric: str = "denim", version: str = "1", **parameters) -> 
 class Bench:
     """Counts the runs and can be told to fail."""
 
-    def __init__(self, fail: dict[str, Exception] | None = None) -> None:
+    def __init__(self, fail: Mapping[str, BaseException] | None = None) -> None:
         self.ran: list[str] = []
         self.fail = fail or {}
 
@@ -50,10 +52,11 @@ def test_key_says_what_is_another_case(tmp_path: Path) -> None:
         assert bench.ran == ["a"]
 
 
-def test_a_stopped_study_keeps_its_rows_and_goes_on(tmp_path: Path) -> None:
+@pytest.mark.parametrize("stop", [KeyboardInterrupt(), Interrupted("stopped at step 0")])
+def test_a_stopped_study_keeps_its_rows_and_goes_on(stop: BaseException, tmp_path: Path) -> None:
     cases = [case("a"), case("b"), case("c")]
     with pytest.raises(KeyboardInterrupt):
-        run_study("w", cases, Bench({"b": KeyboardInterrupt()}), tmp_path)  # type: ignore[dict-item]
+        run_study("w", cases, Bench({"b": stop}), tmp_path)
     bench = Bench()
     run = run_study("w", cases, bench, tmp_path)
     assert bench.ran == ["b", "c"]

@@ -13,6 +13,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from command import garmentcad_here
 from garment_band import band_spec
 from hand_made import cylinder_body, rectangles, tube
 from typer.testing import CliRunner
@@ -27,6 +28,7 @@ from garmentcad.regression import lays as lays_module
 from garmentcad.regression.remake import UnfitBaselineError, remake
 from garmentcad.regression.trial import prepare, run_trial
 from garmentcad.simulation.job import Job
+from garmentcad.simulation.run import Interrupted
 
 ROOT = Path(__file__).resolve().parent.parent
 CLOTH = rectangles(30, 20, 0.02, 2, sewn=True)
@@ -48,16 +50,16 @@ def drape_of(hem_mm: float = 600.0, nodes: int = 8, radius_m: float = 0.2, **cha
     return Result(report, CLOTH, State(positions, np.zeros_like(positions)), {}, cylinder_body())
 
 
-Fake = Callable[[Result | Exception | Callable[[Job], Result]], None]
+Fake = Callable[[Result | BaseException | Callable[[Job], Result]], None]
 
 
 @pytest.fixture
 def drapes(monkeypatch: pytest.MonkeyPatch) -> Fake:
     """Make every drape that one."""
 
-    def fake(made: Result | Exception | Callable[[Job], Result]) -> None:
+    def fake(made: Result | BaseException | Callable[[Job], Result]) -> None:
         def finish(job: Job, look: object, folder: object) -> tuple[Result, None]:
-            if isinstance(made, Exception):
+            if isinstance(made, BaseException):
                 raise made
             return (made if isinstance(made, Result) else made(job)), None
 
@@ -176,6 +178,13 @@ def test_refused_starts_are_errors_and_exit_2(case: GarmentTestCase, drapes: Fak
     assert run.exit_code == 2
     suites = ElementTree.parse(tmp_path / "j.xml").getroot()
     assert (suites.get("tests"), suites.get("failures"), suites.get("errors")) == ("1", "0", "1")
+
+
+def test_ctrl_c_ends_all_tests_with_its_message_and_130(case: GarmentTestCase, drapes: Fake, tmp_path: Path) -> None:
+    (tmp_path / "z.garment-test.yaml").write_text("schema: 1\nspec: band.yaml\ngrid_mm: 30\n")
+    drapes(Interrupted("stopped at step 96"))
+    run = garmentcad_here("test", str(tmp_path), "--quiet", folder=tmp_path)
+    assert (run.returncode, run.stdout, run.stderr) == (130, "", "garmentcad: stopped at step 96\n")
 
 
 @pytest.mark.parametrize(

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import sys
+from typing import Any
 
 import typer
+from typer.core import TyperGroup
 
 from garmentcad import __version__
 from garmentcad.cli import bench, check, compare, drape, fabric, fit, importing, mannequin, output, test
@@ -14,7 +16,20 @@ EXIT_REFUSED, EXIT_NOT_AT_REST, EXIT_INTERRUPTED = 2, 3, 130
 
 ABOUT = "Garments from sewn patterns and measured fabrics, draped on mannequins."
 
-app = typer.Typer(no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False, help=ABOUT)
+
+class Commands(TyperGroup):
+    """The commands. One that is stopped says how far it came; typer by itself ends a KeyboardInterrupt without a word."""
+
+    def invoke(self, ctx: Any) -> Any:
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt as stopped:
+            if str(stopped):
+                print(f"garmentcad: {stopped}", file=sys.stderr)
+            raise typer.Exit(EXIT_INTERRUPTED) from None
+
+
+app = typer.Typer(cls=Commands, no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False, help=ABOUT)
 app.command()(drape.drape)
 app.command()(check.check)
 app.command("test")(test.garment_test)
@@ -44,6 +59,6 @@ def run() -> None:
         sys.exit(EXIT_REFUSED)
     except GarmentError as error:
         print(f"garmentcad: {error}", file=sys.stderr)
-        sys.exit(EXIT_INTERRUPTED if type(error).__name__ == "Interrupted" else EXIT_NOT_AT_REST)
+        sys.exit(EXIT_NOT_AT_REST)
     except KeyboardInterrupt:
         sys.exit(EXIT_INTERRUPTED)

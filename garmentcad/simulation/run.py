@@ -68,8 +68,9 @@ SEWINGS = 2
 _SEWING = "sewing"  # in State.run: which of them it is, from 0
 
 
-class Interrupted(GarmentError):
-    """The user stopped the run; the checkpoint named in the message continues it."""
+class Interrupted(KeyboardInterrupt):
+    """The user stopped the run; the checkpoint named in the message continues it. No GarmentError: who goes on with the next garment where one fails must not
+    go on where Ctrl-C was pressed."""
 
 
 @dataclass
