@@ -12,7 +12,7 @@ import yaml
 from garment_band import BAND, band_spec
 
 from garmentcad.errors import FileError, InputError, SpecError
-from garmentcad.io.garment_test_file import ENDING, find_garment_tests, read_garment_tests
+from garmentcad.io.garment_test_file import ENDING, distinct_names, find_garment_tests, read_garment_tests
 from garmentcad.io.shipped import shipped_file, shipped_folder
 from garmentcad.io.spec_file import read_spec, write_spec
 from garmentcad.pattern.garment_test import Tolerance
@@ -68,6 +68,19 @@ def test_a_folder_stands_for_its_test_files_only(tmp_path: Path) -> None:
     with pytest.raises(FileError, match="there is no"):
         find_garment_tests(tmp_path / "empty")
     assert pytest_plugin.ENDING == ENDING
+
+
+def test_tests_of_one_name_are_told_apart_by_their_folders(tmp_path: Path) -> None:
+    places = ["a/x", "b/x", "b/deep/y", "a/deep/y", "z"]
+    for place in places:
+        (tmp_path / place).parent.mkdir(parents=True, exist_ok=True)
+    cases = [read_garment_tests(written(tmp_path, TEST, f"{place}{ENDING}"))[0] for place in places]
+    assert distinct_names(cases) == ["a/x", "b/x", "b/deep/y", "a/deep/y", "z"]
+    assert distinct_names(cases[1:3]) == ["x", "y"]
+    assert distinct_names([cases[0], cases[0]]) == ["x", "x"]  # one test that was named twice
+    twin = read_garment_tests(written(tmp_path, TEST, "z.yaml"))[0]
+    with pytest.raises(SpecError, match=rf"z\.yaml: a test of z{ENDING} in the same folder is called 'z', too"):
+        distinct_names([*cases, twin])
 
 
 FAULTS: list[tuple[Callable[[dict[str, Any]], Any], str, str]] = [

@@ -172,6 +172,52 @@ def test_command_exit_codes_table_and_junit(case: GarmentTestCase, drapes: Fake,
     assert (tmp_path / "out" / "band" / "difference.png").exists()
 
 
+def two_folders(folder: Path) -> None:
+    """Two tests of one name, which fail on the drape that is made up."""
+    for name in ("a", "b"):
+        (folder / name).mkdir()
+        case_in(folder / name, "schema: 1\nspec: band.yaml\ngrid_mm: 30\nreport: {hem_height_mm: {value: 10, tol: 1}}\n")
+
+
+def test_failed_drapes_of_one_name_are_both_kept(drapes: Fake, tmp_path: Path) -> None:
+    two_folders(tmp_path)
+    drapes(drape_of())
+    run = RUN.invoke(app, ["test", str(tmp_path), "--quiet", "--junit", str(tmp_path / "j.xml"), "-o", str(tmp_path / "out")])
+    assert run.exit_code == 4
+    assert all((tmp_path / "out" / name / "band" / "report.json").exists() for name in ("a", "b"))
+    assert [suite.get("name") for suite in ElementTree.parse(tmp_path / "j.xml").getroot()] == ["a/band", "b/band"]
+    assert {case.get("classname") for case in ElementTree.parse(tmp_path / "j.xml").iter("testcase")} == {"a/band", "b/band"}
+
+
+PLAYED = """\
+import os
+from garmentcad.regression import trial
+from garmentcad.simulation.run import Interrupted
+
+def run_trial(read, folder):
+    print("kept in", folder)
+    if os.environ.get("STOP"):
+        raise Interrupted("stopped at step 0")
+    return trial.Judgement(read.case)
+
+trial.run_trial = run_trial
+"""
+
+
+def test_pytest_tells_folders_apart_and_ends_on_ctrl_c(tmp_path: Path) -> None:
+    """A pytest of its own, whose drapes are made up."""
+    two_folders(tmp_path)
+    (tmp_path / "conftest.py").write_text(PLAYED)
+    words = [sys.executable, "-m", "pytest", "-p", "garmentcad.regression.pytest_plugin", "-rA", "-s", "-p", "no:cacheprovider", str(tmp_path)]
+    environment = os.environ | {"PYTEST_DISABLE_PLUGIN_AUTOLOAD": "1", "NUMBA_NUM_THREADS": "1", "PYTHONPATH": str(ROOT)}
+    run = subprocess.run(words, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=600, check=False)
+    assert run.returncode == 0, run.stdout + run.stderr
+    assert [line.split("garment-tests/")[1] for line in run.stdout.splitlines() if "kept in" in line] == ["a/band", "b/band"]
+    stopped = subprocess.run(words, cwd=tmp_path, env=environment | {"STOP": "1"}, capture_output=True, text=True, timeout=600, check=False)
+    assert (stopped.returncode, stopped.stdout.count("kept in")) == (pytest.ExitCode.INTERRUPTED, 1)
+    assert "stopped at step 0" in stopped.stdout
+
+
 def test_refused_starts_are_errors_and_exit_2(case: GarmentTestCase, drapes: Fake, tmp_path: Path) -> None:
     drapes(TangledError("panels start crossing \x00", key="panels"))
     run = RUN.invoke(app, ["test", str(tmp_path), "--quiet", "--junit", str(tmp_path / "j.xml")])

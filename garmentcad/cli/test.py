@@ -50,29 +50,30 @@ def garment_test(
 
 def _run(cases: list[GarmentTestCase], out: Path, quiet: bool) -> list[Judgement]:
     """All are read before the first is draped: what is wrong in the last file is said at once."""
+    from garmentcad.io.garment_test_file import distinct_names
     from garmentcad.regression.trial import prepare, run_trial
 
     judgements = []
-    for trial in [prepare(case) for case in cases]:
+    for name, trial in zip(distinct_names(cases), [prepare(case) for case in cases]):
         line = ProgressLine(quiet)
-        judgements.append(run_trial(trial, out / trial.case.name, line.show))
+        judgements.append(run_trial(trial, out / name, line.show))
         line.end()
-        _print(judgements[-1])
+        _print(name, judgements[-1])
     failed = sum(not judged.passed for judged in judgements)
     print(f"{len(judgements)} garment tests, {failed} failed")
     return judgements
 
 
-def _print(judged: Judgement) -> None:
+def _print(name: str, judged: Judgement) -> None:
     from rich.console import Console
     from rich.text import Text
 
     from garmentcad.export.table import PlainTable
 
     if judged.refusal is not None:
-        print(f"garmentcad: {judged.case.name}: {judged.refusal}", file=sys.stderr)
+        print(f"garmentcad: {name}: {judged.refusal}", file=sys.stderr)
         return
-    table = PlainTable(f"{judged.case.name} ({judged.wall_s:.0f} s)", pad_edge=False)
+    table = PlainTable(f"{name} ({judged.wall_s:.0f} s)", pad_edge=False)
     table.add_column("assertion", no_wrap=True)
     for column in ("expected", "came", "verdict"):
         table.add_column(column)
@@ -86,14 +87,15 @@ def _print(judged: Judgement) -> None:
 
 
 def _remake(cases: list[GarmentTestCase], lays: int, quiet: bool) -> None:
+    from garmentcad.io.garment_test_file import distinct_names
     from garmentcad.regression.remake import remake
 
     wanted = [case for case in cases if case.test.baseline]
     if not wanted:
         raise InputError("none of these tests names keys of a baseline; there is nothing to make", key="--remake")
-    for case in wanted:
+    for name, case in zip(distinct_names(wanted), wanted):
         line = ProgressLine(quiet)
-        baseline = remake(case, lays, lambda said, case=case: print(f"{case.name}: {said}", flush=True), line.show)  # type: ignore[misc]
+        baseline = remake(case, lays, lambda said, name=name: print(f"{name}: {said}", flush=True), line.show)  # type: ignore[misc]
         line.end()
         for key, figure in {**baseline.report, **{f"shape.{name}": value for name, value in baseline.distances().items()}}.items():
             print(f"  {key}: {figure.value:g} +- {figure.tol:g} (sd {figure.sd:g}, {figure.low:g} to {figure.high:g})")

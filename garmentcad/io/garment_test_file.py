@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -58,6 +59,29 @@ def read_garment_tests(path: Path) -> list[GarmentTestCase]:
         raise SpecError("this key is missing; the first line of a garment test is `schema: 1`", file=file, key="schema")
     test = parse_model(GarmentTestFile, data, file)
     return [GarmentTestCase(path.name.removesuffix(ENDING).removesuffix(path.suffix), path, _resolved(test.spec, "patterns", path), test)]
+
+
+def distinct_names(cases: Sequence[GarmentTestCase]) -> list[str]:
+    """A name for each test that no other one has: its own or, where several are called so, with as much of its folder before it as tells them apart (a/x, b/x).
+
+    SpecError for two files of one folder whose tests have one name: they would share a baseline, too.
+    """
+    files: dict[tuple[str, ...], Path] = {}
+    places = []
+    for case in cases:
+        file = case.file.resolve()
+        place = (*file.parent.parts[1:], case.name)
+        if files.setdefault(place, file) != file:
+            raise SpecError(f"a test of {files[place].name} in the same folder is called {case.name!r}, too; rename one of the files", file=str(case.file))
+        places.append(place)
+
+    def shortest(place: tuple[str, ...]) -> str:
+        count = 1
+        while sum(other[-count:] == place[-count:] for other in files) > 1:
+            count += 1
+        return "/".join(place[-count:])
+
+    return [shortest(place) for place in places]
 
 
 def _resolved(reference: str, kind: Kind, file: Path) -> Path:

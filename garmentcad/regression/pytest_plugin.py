@@ -48,9 +48,12 @@ class GarmentTestItem(pytest.Item):
         self.case = case
 
     def runtest(self) -> None:
+        from garmentcad.io.garment_test_file import distinct_names
         from garmentcad.regression.trial import prepare, run_trial
 
-        judged = run_trial(prepare(self.case), self.config.rootpath / FOLDER / self.case.name)
+        tests = [item for item in self.session.items if isinstance(item, GarmentTestItem)]
+        name = distinct_names([item.case for item in tests])[tests.index(self)]
+        judged = run_trial(prepare(self.case), self.config.rootpath / FOLDER / name)
         if not judged.passed:
             raise GarmentTestFailed(judged)
 
