@@ -149,3 +149,36 @@ def test_the_doctor_looks_at_every_garment(folder: Path) -> None:
     assert "seam-twisted" in {finding.code for finding in found}
     (refused,) = examine(folder / "outfit.yaml", fabric="denim")
     assert (refused.code, refused.key) == ("refused", "--fabric")
+
+
+@pytest.mark.parametrize(
+    ("change", "places"),
+    [
+        (("fabric: denim", "fabric: denom"), {"garments.1.fabric": "did you mean 'denim'"}),
+        (("garment: band.yaml", "garment: band.yaml, fabric: lost.yaml"), {"garments.0.fabric": "does not exist"}),
+        (("garment: band.yaml", "garment: band.yaml, values: {hight: 50}"), {"garments.0.values": "no parameter is called 'hight'; did you mean 'height'"}),
+        (("garment: band.yaml", "garment: band.yaml, values: {height: 5000}"), {"garments.0.values.height": "came 5000"}),
+        (("garment: belt.yaml", "garment: band.yaml"), {"garments": "two garments are called 'band'"}),
+        (("mannequin: woman-88", "mannequin: woman-89"), {"mannequin": "did you mean 'woman-88'"}),
+    ],
+)
+def test_the_doctor_names_the_place_in_the_outfit(folder: Path, change: tuple[str, str], places: dict[str, str]) -> None:
+    (folder / "band.yaml").write_text(BAND.replace("{value: 60, unit: mm}", "{value: 60, range: [20, 100], unit: mm}"))
+    (folder / "outfit.yaml").write_text(OUTFIT.replace(*change))
+    errors = [finding for finding in examine(folder / "outfit.yaml", grid_mm=30.0) if finding.severity == "error"]
+    assert {(finding.code, finding.file, finding.key) for finding in errors} == {("refused", str(folder / "outfit.yaml"), key) for key in places}
+    assert all(places[str(finding.key)] in finding.message for finding in errors)
+
+
+def test_the_doctor_takes_the_fabric_of_the_outfit(folder: Path) -> None:
+    (folder / "outfit.yaml").write_text(OUTFIT.replace("band.yaml", "knit-top, fabric: cotton-shirting"))
+    alone = examine("knit-top", fabric="cotton-shirting", grid_mm=20.0)
+    assert [finding.code for finding in alone].count("closure-missing") == 2
+    assert [finding for finding in examine(folder / "outfit.yaml", grid_mm=20.0) if finding.file == alone[0].file] == alone
+
+
+def test_the_doctor_says_where_an_unknown_mannequin_is_named(folder: Path) -> None:
+    (folder / "band.yaml").write_text((folder / "band.yaml").read_text().replace("woman-88", "nobody"))
+    (own,), (other,) = examine(folder / "band.yaml"), examine("t-shirt", mannequin="nobody")
+    assert (own.code, own.file, own.key) == ("refused", str(folder / "band.yaml"), "mannequin")
+    assert (other.code, other.file, other.key) == ("refused", None, "--mannequin")

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 from garmentcad.analysis.clearance import clearing_moves, move_panels
@@ -24,6 +26,7 @@ from garmentcad.io.shipped import resolve_reference
 from garmentcad.io.spec_file import spec_folder
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.draft import draft_errors
+from garmentcad.pattern.outfit import OutfitSpec, put_on
 from garmentcad.pattern.pattern import Pattern, named_fabrics
 from garmentcad.pattern.scope import with_values
 from garmentcad.pattern.spec import GarmentSpec
@@ -45,40 +48,91 @@ def examine(
     try:
         check_grid(grid_mm)
         read = spec if isinstance(spec, GarmentSpec) else read_worn(spec)
-        if not isinstance(read, GarmentSpec):
-            if fabric is not None:
-                raise InputError("an outfit has a fabric for each garment; name them in its file", key="--fabric")
-            if values:
-                raise InputError("an outfit has values of parameters for each garment; name them in its file", key="--set")
-            outfit, garments = read
-            worn_by = mannequin if mannequin is not None else str(resolve_reference(outfit.mannequin, "mannequins", spec_folder(outfit)))
-            named = zip(garments, outfit.garments, strict=True)
-            return worst_first([finding for garment, entry in named for finding in examine(garment, worn_by, grid_mm, values=entry.values)])
-        spec, folder = with_values(read, values or {}), spec_folder(read)
-        body = read_mannequin(mannequin if mannequin is not None else resolve_reference(spec.mannequin, "mannequins", folder))
+        if isinstance(read, GarmentSpec):
+            garment = with_values(read, values or {})
+            other = None if fabric is None else _Named(partial(fabric_path, fabric), None, "--fabric")
+            return worst_first(_examine_garment(garment, _read_body(garment, mannequin), grid_mm, other)[1])
+        if fabric is not None:
+            raise InputError("an outfit has a fabric for each garment; name them in its file", key="--fabric")
+        if values:
+            raise InputError("an outfit has values of parameters for each garment; name them in its file", key="--set")
+        return worst_first(_examine_outfit(*read, _read_body(read[0], mannequin), grid_mm))
     except InputError as error:
         return [refusal(fault) for fault in (error, *error.others)]
+
+
+@dataclass(frozen=True)
+class _Named:
+    """A fabric by its name. find: its file; file, key: where the name stands."""
+
+    find: Callable[[], Path]
+    file: str | None
+    key: str
+
+
+def _read_body(spec: GarmentSpec | OutfitSpec, mannequin: str | None) -> Mannequin:
+    """The body that a spec names, or another one in its place. InputError says where it was named."""
+    try:
+        return read_mannequin(mannequin if mannequin is not None else resolve_reference(spec.mannequin, "mannequins", spec_folder(spec)))
+    except InputError as error:
+        raise _named_at(error, *((spec.file, "mannequin") if mannequin is None else (None, "--mannequin"))) from None
+
+
+def _named_at(error: InputError, file: str | None, key: str) -> InputError:
+    """The fault of what file and key name; one inside a file of its own has its place already."""
+    return error if error.file is not None else type(error)(error.message, file=file, key=key)
+
+
+def _examine_outfit(outfit: OutfitSpec, garments: Sequence[GarmentSpec], body: Mannequin, grid_mm: float) -> list[Finding]:
+    """Every garment by itself, as the outfit has it; then their names."""
+    found: list[Finding] = []
+    patterns = []
+    for k, (garment, entry) in enumerate(zip(garments, outfit.garments, strict=True)):
+        key = f"garments.{k}"
+        other = None
+        if entry.fabric is not None:
+            other = _Named(partial(resolve_reference, entry.fabric, "fabrics", spec_folder(outfit)), outfit.file, f"{key}.fabric")
+        try:
+            worn = with_values(garment, entry.values)
+        except InputError as error:
+            found.append(refusal(type(error)(error.message, file=outfit.file, key=f"{key}.values")))
+            continue
+        pattern, its_own = _examine_garment(worn, body, grid_mm, other)
+        places = {f"parameters.{name}.value": f"{key}.values.{name}" for name in entry.values}
+        found += [replace(one, file=outfit.file, key=places[one.key]) if one.key in places else one for one in its_own]
+        patterns += [] if pattern is None else [pattern]
+    try:
+        if patterns:
+            put_on(outfit.name, patterns, outfit.mannequin)
+    except InputError as error:
+        found.append(refusal(type(error)(error.message, file=outfit.file, key=error.key)))
+    return found
+
+
+def _examine_garment(spec: GarmentSpec, body: Mannequin, grid_mm: float, other: _Named | None) -> tuple[Pattern | None, list[Finding]]:
+    """The pattern, where it can be drafted, and all findings on it. other: a fabric in place of its own."""
     pattern, errors = draft_errors(spec, body.measurements_mm)
     if pattern is None:
-        return [refusal(error) for error in errors]
+        return None, [refusal(error) for error in errors]
     found = check_pattern(spec, pattern, grid_mm)
-    sheets, faults = _read_sheets(spec, pattern, folder, fabric)
+    sheets, faults = _read_sheets(spec, pattern, other)
     found += faults or _check_fabrics(spec, pattern, sheets)
     if not any(finding.severity == "error" for finding in found):
         found += _check_placed(spec, pattern, body, sheets, grid_mm)
-    return worst_first(found)
+    return pattern, found
 
 
-def _read_sheets(spec: GarmentSpec, pattern: Pattern, folder: Path, fabric: str | None) -> tuple[dict[str, KesSheet], list[Finding]]:
-    """Every sheet that the pattern names, completed, `fabric` in place of its own; and a finding for each that cannot be read."""
+def _read_sheets(spec: GarmentSpec, pattern: Pattern, other: _Named | None) -> tuple[dict[str, KesSheet], list[Finding]]:
+    """Every sheet that the pattern names, completed, `other` in place of its own; and a finding for each that cannot be read."""
     found, sheets = [], {}
     for name, key in {**named_fabrics(pattern), pattern.fabric: "fabric"}.items():
-        other = fabric if name == pattern.fabric else None
-        file, key = (spec.file, key) if other is None else (None, "--fabric")
+        named = _Named(partial(resolve_reference, name, "fabrics", spec_folder(spec)), spec.file, key)
+        if other is not None and name == pattern.fabric:
+            named = other
         try:
-            sheets[name] = load_fabric(resolve_reference(name, "fabrics", folder) if other is None else fabric_path(other)).sheet
+            sheets[name] = load_fabric(named.find()).sheet
         except InputError as error:
-            found.append(refusal(type(error)(error.message, file=error.file or file, key=error.key or key)))
+            found.append(refusal(_named_at(error, named.file, named.key)))
     return sheets, found
 
 
