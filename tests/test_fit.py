@@ -80,6 +80,11 @@ def test_error_bars_in_file_and_table(tmp_path: Path) -> None:
         fit_of(worn(15.0), [], [dataclasses.replace(worn(30.0), report=worn(30.0).report | {"fabric": "denim"})])
 
 
+def test_a_line_that_stands_twice_is_refused() -> None:
+    with pytest.raises(InputError, match="--line: the line middle stands twice"):
+        fit_of(worn(), [parse_line("middle=760"), parse_line("middle=750")])
+
+
 def test_a_swatch_has_no_lines() -> None:
     with pytest.raises(InputError, match=r"no mannequin"):
         fit_of(dataclasses.replace(worn(), mannequin=None), [parse_line("middle=760")])

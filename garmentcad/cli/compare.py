@@ -9,14 +9,15 @@ from typing import Annotated
 import typer
 
 from garmentcad.cli.output import Map, View
+from garmentcad.errors import InputError
 
 
 def compare(
     a: Annotated[Path, typer.Argument(help="A result folder.")],
     b: Annotated[Path, typer.Argument(help="Another: of another fabric, size, lattice or version.")],
     out: Annotated[Path | None, typer.Option("--out", "-o", help="The file to write: .png, .csv or .json.")] = None,
-    view: Annotated[View, typer.Option(help="Of the picture: from where.")] = View.front,
-    map_: Annotated[Map, typer.Option("--map", help="Of the picture: what to paint on both, on one scale.")] = Map.none,
+    view: Annotated[View | None, typer.Option(help="Of the picture: from where.", show_default="front")] = None,
+    map_: Annotated[Map | None, typer.Option("--map", help="Of the picture: what to paint on both, on one scale.", show_default="none")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the comparison as one JSON object and nothing else.")] = False,
 ) -> None:
     """Compare two draped garments: figures of both, their differences, and how far the shapes lie apart."""
@@ -25,9 +26,13 @@ def compare(
     from garmentcad.export.compare import compare as compared
     from garmentcad.export.compare import comparison_data, comparison_tables, read_worn, write_comparison
 
+    if out is None or out.suffix != ".png":
+        for option, value in (("--view", view), ("--map", map_)):
+            if value is not None:
+                raise InputError(f"{value.value} is said of a picture; write one (-o FILE.png)", key=option)
     found = compared(read_worn(a), read_worn(b))
     if out is not None:
-        write_comparison(out, (a, b), found, view.value, map_.value)
+        write_comparison(out, (a, b), found, (view or View.front).value, (map_ or Map.none).value)
     if as_json:
         print(json.dumps(comparison_data(found), allow_nan=False))
         return

@@ -55,7 +55,7 @@ def render(
 def export(
     source: Annotated[str, typer.Argument(help="A result folder; or, for patterns, a shipped garment or a spec.")],
     out: Annotated[Path, typer.Option("--out", "-o", help="The file to write: .obj, .glb or .png (draped), .json (pattern, GarmentCode).")],
-    mannequin: Annotated[str | None, typer.Option(help="Whom the pattern is drafted for, in place of the spec's.")] = None,
+    mannequin: Annotated[str | None, typer.Option(help="Whom a pattern (.json) is drafted for, in place of the spec's.")] = None,
 ) -> None:
     """Write a draped garment, or a pattern, in another format. What the format cannot say is said on stderr."""
     from garmentcad.export.glb import write_garment_glb
@@ -69,6 +69,8 @@ def export(
     kinds = {".obj": "mesh", ".glb": "scene", ".png": "picture", ".json": "pattern"}
     if out.suffix not in kinds:
         raise InputError(f"cannot write '{out.suffix or out.name}'; allowed are {', '.join(kinds)}", file=str(out), key="--out")
+    if mannequin is not None:
+        raise InputError(f"a draped garment stays on its mannequin; patterns are drafted for another one (.json), not {out.suffix}", key="--mannequin")
     result = read_result_folder(Path(source))
     if out.suffix == ".obj":
         write_garment_obj(out, result.cloth, result.state.positions)

@@ -15,17 +15,26 @@ if TYPE_CHECKING:
     from garmentcad.io.garment_test_file import GarmentTestCase
     from garmentcad.regression.trial import Judgement
 
+FOLDER = Path("out") / "garment-tests"
+
 
 def garment_test(
     paths: Annotated[list[Path], typer.Argument(help="Files or folders: *.garment-test.yaml, or garment specs with tests.")],
-    out: Annotated[Path, typer.Option("--out", "-o", help="Where drapes of failed tests and pictures of the difference go.")] = Path("out/garment-tests"),
+    out: Annotated[
+        Path | None, typer.Option("--out", "-o", help="Where drapes of failed tests and pictures of the difference go.", show_default=str(FOLDER))
+    ] = None,
     junit: Annotated[Path | None, typer.Option(help="Write the outcome as JUnit XML.")] = None,
     remake: Annotated[bool, typer.Option("--remake", help="Do not test: make the baselines anew, from several lays each.")] = False,
-    lays: Annotated[int, typer.Option(help="How many lays a baseline is made of.", min=3, max=100)] = 10,
+    lays: Annotated[int | None, typer.Option(help="With --remake: how many lays a baseline is made of.", min=3, max=100, show_default="10")] = None,
     threads: Annotated[int | None, typer.Option(help="Threads; the result does not depend on them.", min=1, max=64)] = None,
     quiet: Annotated[bool, typer.Option("--quiet", help="No progress line.")] = False,
 ) -> None:
     """Drape garments and compare what their reports say with what their tests expect. Exit code 0 where all hold, 4 where one fails."""
+    if not remake and lays is not None:
+        raise InputError("lays are those of a baseline that is made anew; a test says by itself how many it takes (`lays`)", key="--lays")
+    for option, path in (("--junit", junit), ("--out", out)):
+        if remake and path is not None:
+            raise InputError("baselines are written beside their tests, and nothing is tested; leave one of the two out", key=f"--remake {option}")
     if threads is not None:
         allow_threads(threads)
     import numba
@@ -38,7 +47,7 @@ def garment_test(
     if remake:
         _remake(cases, lays, quiet)
         return
-    judgements = _run(cases, out, quiet)
+    judgements = _run(cases, out or FOLDER, quiet)
     if junit is not None:
         from garmentcad.regression.junit import write_junit
 
@@ -86,16 +95,16 @@ def _print(name: str, judged: Judgement) -> None:
         print(f"  {note}")
 
 
-def _remake(cases: list[GarmentTestCase], lays: int, quiet: bool) -> None:
+def _remake(cases: list[GarmentTestCase], lays: int | None, quiet: bool) -> None:
     from garmentcad.io.garment_test_file import distinct_names
-    from garmentcad.regression.remake import remake
+    from garmentcad.regression.remake import LAYS, remake
 
     wanted = [case for case in cases if case.test.baseline]
     if not wanted:
         raise InputError("none of these tests names keys of a baseline; there is nothing to make", key="--remake")
     for name, case in zip(distinct_names(wanted), wanted):
         line = ProgressLine(quiet)
-        baseline = remake(case, lays, lambda said, name=name: print(f"{name}: {said}", flush=True), line.show)  # type: ignore[misc]
+        baseline = remake(case, lays or LAYS, lambda said, name=name: print(f"{name}: {said}", flush=True), line.show)  # type: ignore[misc]
         line.end()
         for key, figure in {**baseline.report, **{f"shape.{name}": value for name, value in baseline.distances().items()}}.items():
             print(f"  {key}: {figure.value:g} +- {figure.tol:g} (sd {figure.sd:g}, {figure.low:g} to {figure.high:g})")

@@ -48,6 +48,8 @@ def _with_lines(result: Result, lines: Sequence[BodyLine]) -> dict[str, Any]:
         raise InputError("this result has no mannequin to measure a line on", key="--line")
     measured: dict[str, Any] = {}
     for line in lines:
+        if line.name in measured:
+            raise InputError(f"the line {line.name} stands twice; each name may stand once", key="--line")
         loops = loops_in_plane(result.cloth, result.state.positions, result.mannequin, line.plane)
         names = ("draped_mm", "pattern_mm", "body_mm", "ease_mm", "pattern_ease_mm")
         measured[line.name] = {"+".join(loop.parts): {name: getattr(loop, name) for name in names} for loop in loops}
