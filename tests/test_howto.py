@@ -6,9 +6,11 @@ import json
 import re
 from pathlib import Path
 
+import pytest
 from command import garmentcad_here
 from test_readme import block
 
+from garmentcad.check.examine import examine
 from garmentcad.io.garment_test_file import read_garment_tests
 from garmentcad.regression.trial import job_of
 
@@ -24,6 +26,14 @@ def test_garment_test_of_the_howto(tmp_path: Path) -> None:
     job = job_of(case)
     assert (job.pattern.name, job.grid_mm) == ("a-line", 20.0)
     assert "hem.nodes" in case.test.baseline
+
+
+@pytest.mark.parametrize("mannequin", [None, "man-100"])
+def test_garment_of_the_howto_is_clean(mannequin: str | None, tmp_path: Path) -> None:
+    """Its parts, joined, are a garment that holds on the bodies that the page names (`holds-nowhere` is a warning of the doctor)."""
+    path = tmp_path / "apron.yaml"
+    path.write_text("".join(re.findall(r"```yaml\n(.*?)```", (DOCS / "howto" / "add-a-garment.md").read_text(encoding="utf-8"), re.DOTALL)))
+    assert [str(finding) for finding in examine(path, mannequin)] == []
 
 
 def run_page(name: str, folder: Path) -> list[str]:
