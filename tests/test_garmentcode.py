@@ -161,6 +161,27 @@ def test_a_wrapped_panel_lies_in_the_nearest_plane(tmp_path: Path) -> None:
     assert placed.matrix[2, 2] > 0.99  # type: ignore[union-attr]
 
 
+@pytest.mark.parametrize(
+    ("name", "wanted"),
+    [
+        ("trousers", ["panel front_left: internal lines, seam allowances left out", "seam center_front: order 2 left out", "fabric wool-suiting: left out"]),
+        ("pleated-skirt", ["panel front: pleats and their angles", "parameters and values: left out"]),
+        ("mens-shirt", ["panel back: notches, seam allowances left out", "seam collar: fold angle, order 4, bend factor left out"]),
+    ],
+)
+def test_what_shipped_garments_lose_is_said(name: str, wanted: list[str]) -> None:
+    spec, body = read_spec(name), read_mannequin("woman-88")
+    notes = garmentcode_of(draft(spec, body.measurements_mm), body)[1]
+    assert [text for text in wanted if not any(note.startswith(text) for note in notes)] == []
+
+
+def test_a_label_that_gives_way_is_said() -> None:
+    spec = flat_spec(SPLINE, POINTS, [{"name": "s", "a": ["a.low.p", "a.low.q"], "b": ["b.top.s", "b.top.r"]}])
+    notes = garmentcode_of(draft(spec, {}), read_mannequin("garmentcode-mean"))[1]
+    lost = "panel b: the label collar of edge {} left out; it is sewn to an edge with the label lower_interface"
+    assert sorted(notes) == [lost.format(edge) for edge in (4, 5, 6)]
+
+
 def test_what_the_format_cannot_say() -> None:
     hole = [{"name": "h", "from": "h", "to": "h", "arc": {"center": [150, 100], "direction": "clockwise"}}]
     spec = flat_spec(SPLINE, POINTS | {"h": [160, 100]})
@@ -168,6 +189,7 @@ def test_what_the_format_cannot_say() -> None:
     body = read_mannequin("woman-88")
     _, notes = garmentcode_of(draft(spec.model_copy(update={"panels": panels}), {}), body)
     assert notes[0] == "panel a: drill holes, its grain of 45 degrees left out; the format has no place for them"
+    assert "mannequin woman-88: left out; the format has no place for it, and `garmentcad import` assumes garmentcode-mean" in notes
     data = spec.model_dump(mode="json", by_alias=True)
     data["panels"]["a"]["cutouts"] = [hole]
     with pytest.raises(SpecError, match="no cutouts"):

@@ -309,7 +309,24 @@ def test_what_is_not_read_is_named(tmp_path: Path) -> None:
     notes = imported(data, tmp_path)[0].notes
     for wanted in ("pattern.panels.a.pleats is not known", "pattern.buttons is not known", "parameters were left out", "vertex 4", "'strap' of edge 1"):
         assert any(wanted in note for note in notes), wanted
-    assert len(notes) == 5
+    assert len(notes) == 9
+
+
+def test_what_is_assumed_is_said(tmp_path: Path) -> None:
+    square = panel(*SQUARE, label1="collar")
+    data = pattern_file({"a": square, "b": panel(*SQUARE, at=(0, 0, 50))}, [stitch("a", 3, "b", 3)])
+    notes = list(imported(data, tmp_path)[0].notes)
+    assert notes[:3] == [
+        "fabric cotton-shirting is assumed; the format names none",
+        "mannequin garmentcode-mean is assumed; there are no body measurements beside the file",
+        "grain is assumed to run along y of the panels, and along the arm in sleeves; the format has none",
+    ]
+    assert notes[3:] == [
+        "panel 'a': it is assumed that edge 0 is a hem, for it is not sewn",
+        "panel 'b': it is assumed that edge 0 is a hem, for it is not sewn",
+    ]
+    (tmp_path / "body_measurements.yaml").write_text("body: {}\n")
+    assert not any("mannequin" in note for note in imported(data, tmp_path)[0].notes)
 
 
 def test_the_spec_in_yaml_is_the_same(tmp_path: Path) -> None:

@@ -18,7 +18,7 @@ from garmentcad.cloth.seam_match import match_seam
 from garmentcad.errors import SpecError
 from garmentcad.geometry.curve import Arc, Cubic, Curve, Point, Quadratic, Spline, as_point
 from garmentcad.io.atomic import write_atomic
-from garmentcad.io.garmentcode_import import SLEEVE_GRAIN_DEG
+from garmentcad.io.garmentcode_import import FABRIC, MANNEQUIN, SLEEVE_GRAIN_DEG
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.pattern import Edge, EdgeUse, Panel, Pattern, Seam, Transform
 from garmentcad.placement.wrap import wrap_points
@@ -46,22 +46,33 @@ def garmentcode_of(pattern: Pattern, mannequin: Mannequin) -> tuple[dict[str, An
     matched = _cut(simple, _seam_cuts(simple))
     stitches = [stitch for seam in matched.seams if seam.closed is None for stitch in _stitches(seam)]
     panels = {name: _panel(panel, mannequin) for name, panel in sorted(matched.panels.items())}
-    _agree_on_labels(panels, stitches)
+    lost = list(_agree_on_labels(panels, stitches))
     content = {
         "pattern": {"panels": panels, "stitches": stitches, "panel_order": sorted(panels)},
         "parameters": {},
         "parameter_order": [],
         "properties": {"curvature_coords": "relative", "normalize_panel_translation": False, "normalized_edge_loops": True, "units_in_meter": 100},
     }
-    return content, list(_left_out(pattern))
+    return content, [*_left_out(pattern), *lost, *_named_elsewhere(pattern, mannequin)]
+
+
+def _named_elsewhere(pattern: Pattern, mannequin: Mannequin) -> Iterator[str]:
+    """What goes with a pattern and does not come back when the file is imported."""
+    for kind, name, assumed in (("fabric", pattern.fabric, FABRIC), ("mannequin", mannequin.name, MANNEQUIN)):
+        if name != assumed:
+            yield f"{kind} {name}: left out; the format has no place for it, and `garmentcad import` assumes {assumed}"
+    if pattern.values:
+        yield "parameters and values: left out; the panels are drawn with what they are now"
 
 
 def _left_out(pattern: Pattern) -> Iterator[str]:
     for panel in pattern.panels.values():
         parts = {
-            "regions": panel.regions, "internal lines": panel.internal_lines, "drill holes": panel.drill_holes, "its own fabric": panel.fabric,
-            "its layer": panel.layer, f"its quantity of {panel.quantity}": panel.quantity > 1,
-            f"its grain of {panel.grain_deg:g} degrees": panel.grain_deg != (SLEEVE_GRAIN_DEG if _is_sleeve(panel) else 0.0),
+            "regions": panel.regions, "internal lines": panel.internal_lines, "folds and their angles": any(not fold.laid for fold in panel.folds),
+            "pleats and their angles": any(fold.laid for fold in panel.folds), "notches": any(edge.notches for edge in panel.edges),
+            "seam allowances": any(edge.seam_allowance_mm != Edge.seam_allowance_mm for edge in panel.edges),
+            "drill holes": panel.drill_holes, "its own fabric": panel.fabric, "its layer": panel.layer, f"its quantity of {panel.quantity}": panel.quantity > 1,
+            f"its grain of {panel.grain_deg + 0.0:g} degrees": panel.grain_deg != (SLEEVE_GRAIN_DEG if _is_sleeve(panel) else 0.0),
         }  # fmt: skip
         named = [name for name, there in parts.items() if there]
         if named:
@@ -73,8 +84,13 @@ def _left_out(pattern: Pattern) -> Iterator[str]:
     for part in hardware:
         yield f"{part}: left out; the format has no place for it"
     for seam in pattern.seams:
-        if seam.fold_angle_deg or seam.strength_n_m is not None:
-            yield f"seam {seam.name}: fold angle and strength left out; the format has no place for them"
+        parts = {
+            "fold angle": seam.fold_angle_deg, "strength": seam.strength_n_m is not None, f"order {seam.order}": seam.order != Seam.order,
+            "bend factor": seam.bend_factor != Seam.bend_factor,
+        }  # fmt: skip
+        named = [name for name, there in parts.items() if there]
+        if named and seam.closed is None and seam.tack is None:  # zips and pleats are named above
+            yield f"seam {seam.name}: {', '.join(named)} left out; the format has no place for them"
 
 
 def _own_cuts(curve: Curve) -> np.ndarray:
@@ -226,9 +242,9 @@ def _angles(rotation: np.ndarray) -> tuple[float, float, float]:
     return math.degrees(about_x), math.degrees(about_y), math.degrees(about_z)
 
 
-def _agree_on_labels(panels: dict[str, Any], stitches: list[list[Any]]) -> None:
-    """GarmentCode refuses a stitch between edges of two labels: the second edge loses its own."""
+def _agree_on_labels(panels: dict[str, Any], stitches: list[list[Any]]) -> Iterator[str]:
+    """GarmentCode refuses a stitch between edges of two labels: the second edge loses its own. Yields a note for each."""
     for a, b, *_ in stitches:
         first, second = (panels[end["panel"]]["edges"][end["edge"]] for end in (a, b))
         if "label" in first and "label" in second and first["label"] != second["label"]:
-            del second["label"]
+            yield f"panel {b['panel']}: the label {second.pop('label')} of edge {b['edge']} left out; it is sewn to an edge with the label {first['label']}"

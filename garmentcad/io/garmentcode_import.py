@@ -61,13 +61,13 @@ def import_garmentcode(path: str | Path) -> Imported:
 
 def _imported(content: GarmentCodeFile, path: Path) -> Imported:
     names = _spec_names(content)
-    notes = [*_file_notes(content), *(f"panel {old[:80]!r} is called {new!r} here" for old, new in names.items() if old != new)]
+    body = body_file_of(path)
+    notes = [*_file_notes(content, body), *(f"panel {old[:80]!r} is called {new!r} here" for old, new in names.items() if old != new)]
     panels: dict[str, Any] = {}
     for old, name in names.items():
         panels[name] = _Reader(content, old).panel()
-        notes += _panel_notes(content.pattern.panels[old], old)
+        notes += _panel_notes(content.pattern.panels[old], old, panels[name])
     seams = _seams(content, names)
-    body = body_file_of(path)
     data: dict[str, Any] = {
         "name": _spec_name(path.stem.removesuffix("_specification"), set()), "description": f"From the GarmentCode file {path.name}.",
         "fabric": FABRIC, "mannequin": MANNEQUIN if body is None else body.name, "panels": panels, "seams": seams,
@@ -79,7 +79,11 @@ def _imported(content: GarmentCodeFile, path: Path) -> Imported:
     return Imported(parse_spec(data, str(path)), tuple(notes))
 
 
-def _file_notes(content: GarmentCodeFile) -> Iterator[str]:
+def _file_notes(content: GarmentCodeFile, body: Path | None) -> Iterator[str]:
+    yield f"fabric {FABRIC} is assumed; the format names none"
+    if body is None:
+        yield f"mannequin {MANNEQUIN} is assumed; there are no body measurements beside the file"
+    yield "grain is assumed to run along y of the panels, and along the arm in sleeves; the format has none"
     for key in unread(content):
         yield f"{key[:200]} is not known here and was left out"
     if content.parameters:
@@ -90,13 +94,16 @@ def _file_notes(content: GarmentCodeFile) -> Iterator[str]:
         yield "properties.normalized_edge_loops is missing or false (an old file): loops are taken as they run"
 
 
-def _panel_notes(panel: PanelFile, old: str) -> Iterator[str]:
+def _panel_notes(panel: PanelFile, old: str, made: dict[str, Any]) -> Iterator[str]:
     used = {index for edge in panel.edges for index in edge.endpoints}
     for index in sorted(set(range(len(panel.vertices))) - used):
         yield f"vertex {index} of panel {old[:80]!r} belongs to no edge and was left out"
     for k, edge in enumerate(panel.edges):
         if edge.label and _role_of(edge.label) is None:
             yield f"the label {edge.label[:80]!r} of edge {k} of panel {old[:80]!r} means nothing here and was left out"
+    assumed = [f"edge {k} is a {edge['role']}" for k, edge in enumerate(made["edges"]) if "role" in edge and _role_of(panel.edges[k].label) is None]
+    if assumed:
+        yield f"panel {old[:80]!r}: it is assumed that {', '.join(assumed)}, for it is not sewn"
 
 
 def _spec_names(content: GarmentCodeFile) -> dict[str, str]:
