@@ -13,7 +13,7 @@ from drawn import materials
 
 from garmentcad.arrays import indices
 from garmentcad.check.finding import Finding
-from garmentcad.check.placement import check_placement, check_reach, check_twists
+from garmentcad.check.placement import check_flat, check_placement, check_reach, check_twists
 from garmentcad.cloth.lattice import build_cloth
 from garmentcad.errors import SpecError
 from garmentcad.mannequin.mannequin import ArrangementCylinder, Mannequin
@@ -105,6 +105,19 @@ def test_a_panel_above_or_below_its_part(height: float, off: bool) -> None:
     found = findings(lambda data: [data["panels"][name]["placement"]["wrap"].update(height=height) for name in ("front", "back")])
     expected = ["panels.front.placement.wrap.height", "panels.back.placement.wrap.height"] if off else []
     assert [finding.key for finding in found if finding.code == "placement-off-body"] == expected
+
+
+@pytest.mark.parametrize(
+    ("translation", "code"),
+    [([0, 400, 500], None), ([0, 40, 50], None), ([0, -120, 300], "panel-below-floor"), ([3000, 400, 300], "panel-far"), ([0, 2200, 0], "panel-far")],
+)
+def test_a_flat_panel_far_from_the_body_or_below_the_floor(translation: list[float], code: str | None) -> None:
+    data = copy.deepcopy(TUBE)
+    data["panels"]["front"]["placement"] = {"transform": {"translation": translation}}
+    pattern, mannequin = draft(parse_spec(data, "tube.yaml"), {}), body()
+    cloth = build_cloth(pattern, lambda _, points: np.zeros(len(points), dtype=np.int32), materials(0.2), GRID_MM)
+    found = [(finding.code, finding.key) for finding in check_flat(pattern, cloth, place_vertices(pattern, cloth, mannequin), mannequin, "tube.yaml")]
+    assert found == ([] if code is None else [(code, "panels.front.placement.transform.translation")])
 
 
 def test_crossing_panels() -> None:

@@ -16,6 +16,7 @@ import trimesh
 import garmentcad.simulation.movement as moving
 import garmentcad.simulation.run as running
 from garmentcad.arrays import floats, indices
+from garmentcad.check.hardware import check_hardware
 from garmentcad.cloth.lattice import build_cloth, rectangle_cloth
 from garmentcad.cloth.state import State
 from garmentcad.cloth.weld import weld
@@ -30,6 +31,7 @@ from garmentcad.io.shipped import resolve_reference
 from garmentcad.mannequin.mannequin import ArrangementCylinder, Mannequin
 from garmentcad.pattern.draft import draft
 from garmentcad.pattern.parse import parse_spec
+from garmentcad.placement.place import place_vertices
 from garmentcad.simulation.checkpoint import load_state
 from garmentcad.simulation.job import Job
 from garmentcad.simulation.materials import lay_out
@@ -124,6 +126,33 @@ def test_what_is_wrong_is_refused_by_its_place(more: dict[str, Any], key: str, m
         job(lambda data: data.update(more))
     assert caught.value.key == key
     assert message in caught.value.message
+
+
+RING = [["right.belt_front", "right.belt_back"], ["left.belt_back", "left.belt_front"]]  # 758 mm
+
+
+@pytest.mark.parametrize(
+    ("more", "codes"),
+    [
+        ({"pins": [{"name": "p", "at": "left.centre", "point": [-140, 310, 0]}]}, []),
+        ({"pins": [{"name": "p", "at": "left.centre", "landmark": "inside"}]}, []),
+        ({"pins": [{"name": "p", "at": "left.centre", "point": [0, 31, 0]}]}, [("error", "pin-inside-body", "pins.p.point")]),
+        ({"pins": [{"name": "p", "at": "left.centre", "point": [-115, 310, 0]}]}, [("warning", "pin-inside-body", "pins.p.point")]),
+        ({"pins": [{"name": "p", "at": "left.centre", "point": [-140, 3100, 0]}]}, [("warning", "pin-far", "pins.p.point")]),
+        ({"pins": [{"name": "p", "at": "left.centre", "landmark": "inside", "offset": [0, 900, 0]}]}, [("warning", "pin-far", "pins.p.landmark")]),
+        *(
+            ({"belts": [{"name": "b", "along": RING, "length": length, "stiffness": 9}]}, [("warning", "belt-length", "belts.b.length")] if wrong else [])
+            for length, wrong in ((1, True), ("waist / 10", True), ("waist / 2", False), ("waist", False), (2200, False), ("10 * waist", True))
+        ),
+        ({"elastics": [{"name": "e", "along": RING, "ratio": 0.5, "stiffness": 9}]}, []),
+    ],
+)
+def test_what_is_in_other_units_is_found(more: dict[str, Any], codes: list[tuple[str, str, str]]) -> None:
+    made = job(lambda data: data.update(more))
+    materials, material_of = lay_out(made)
+    cloth = build_cloth(made.pattern, material_of, materials, made.grid_mm)
+    found = check_hardware(made.pattern, cloth, place_vertices(made.pattern, cloth, BODY), materials, BODY, "tube.yaml")
+    assert [(finding.severity, finding.code, finding.key) for finding in found] == codes
 
 
 def rows_of(made: Job) -> tuple[PointRows, Any]:

@@ -12,7 +12,7 @@ from garmentcad.check.doctor import check_pattern, refusal, worst_first
 from garmentcad.check.finding import Finding
 from garmentcad.check.gather import check_gathers
 from garmentcad.check.hardware import check_hardware
-from garmentcad.check.placement import check_moves, check_placement, check_reach, check_twists
+from garmentcad.check.placement import check_flat, check_moves, check_placement, check_reach, check_twists
 from garmentcad.check.wearing import check_wearing
 from garmentcad.cloth.lattice import build_cloth, check_grid
 from garmentcad.cloth.materials import lay_out_sheets
@@ -159,6 +159,6 @@ def _check_placed(spec: GarmentSpec, pattern: Pattern, body: Mannequin, sheets: 
         return [refusal(type(error)(error.message, file=error.file or spec.file, key=error.key))]
     moves = clearing_moves(pattern, cloth, positions, body)
     positions = move_panels(cloth, positions, moves)
-    reach = check_reach(pattern, cloth, positions, body, spec.file)
+    reach = [*check_reach(pattern, cloth, positions, body, spec.file), *check_flat(pattern, cloth, positions, body, spec.file)]
     placed = [*check_moves(moves, spec.file), *reach, *check_twists(pattern, cloth, positions, spec.file), *check_placement(cloth, positions, body, spec.file)]
-    return [*placed, *worn, *check_hardware(pattern, cloth, materials, body, spec.file)]
+    return [*placed, *worn, *check_hardware(pattern, cloth, positions, materials, body, spec.file)]

@@ -1,23 +1,36 @@
-"""Findings on pins, buttons, elastics and belts: what cannot hold together, and what holds the same twice."""
+"""Findings on pins, buttons, elastics and belts: what cannot hold together, what holds the same twice, and lengths and places in other units."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
+import numpy as np
+
+from garmentcad.analysis.penetration import signed_distances
 from garmentcad.check.doctor import refusal
 from garmentcad.check.finding import Finding
+from garmentcad.check.placement import SHALLOW_M
 from garmentcad.cloth.cloth import Cloth
+from garmentcad.cloth.locate import located
 from garmentcad.cloth.weld import weld
 from garmentcad.errors import InputError
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.band_lines import band_segments
 from garmentcad.mannequin.mannequin import Mannequin
-from garmentcad.pattern.pattern import Pattern
+from garmentcad.pattern.pattern import EdgeUse, PanelPoint, Pattern
+from garmentcad.pattern.runs import side_length
 from garmentcad.solve.hardware import hardware_rows, redundance_message, redundances
+from garmentcad.units import M_TO_MM, MM_TO_M
+
+_GATHERED = 3.0  # a belt draws no more cloth together, and hangs around no body that is so many times slimmer: a length in cm or inches, say
+_FAR_M = 0.5  # between a pin and the point that it holds, as placed
 
 
-def check_hardware(pattern: Pattern, flat: Cloth, materials: MaterialTable, mannequin: Mannequin, file: str | None = None) -> Iterator[Finding]:
-    """flat: the unsewn cloth of the pattern."""
+def check_hardware(
+    pattern: Pattern, flat: Cloth, positions: np.ndarray, materials: MaterialTable, mannequin: Mannequin, file: str | None = None
+) -> Iterator[Finding]:
+    """flat: the unsewn cloth of the pattern; positions: (V,3) m of its vertices as placed."""
     if not (pattern.pins or pattern.buttons or pattern.bands):
         return
     try:
@@ -31,3 +44,46 @@ def check_hardware(pattern: Pattern, flat: Cloth, materials: MaterialTable, mann
         yield Finding(
             "warning", "redundant-constraints", file, None, redundance_message(found), "Leave one of them out; all of them are solved together as they are."
         )  # fmt: skip
+    yield from _check_pins(pattern, flat, positions, mannequin, file)
+    yield from _check_belts(pattern, mannequin, file)
+
+
+def _check_pins(pattern: Pattern, flat: Cloth, positions: np.ndarray, mannequin: Mannequin, file: str | None) -> Iterator[Finding]:
+    for pin in pattern.pins:
+        target = MM_TO_M * np.array(pin.offset_mm) + (0.0 if pin.landmark is None else mannequin.landmarks[pin.landmark])
+        key = f"pins.{pin.name}.{'point' if pin.landmark is None else 'landmark'}"
+        depth = -float(signed_distances(target[None], mannequin.vertices, mannequin.faces)[0])
+        if pin.landmark is None and depth > 0.0:  # those to a landmark stand clear of the body by themselves
+            yield Finding(
+                "error" if depth > SHALLOW_M else "warning", "pin-inside-body", file, key,
+                f"the point lies {depth * M_TO_MM:.0f} mm deep in {mannequin.name}, where no cloth can be",
+                "Move it out of the body, or pin to a landmark, which keeps clear of it.",
+            )  # fmt: skip
+        place = located(flat, flat.panel_names.index(pin.at.panel), np.array([pin.at.uv_mm]))
+        away = float(np.linalg.norm(place.weights[0] @ positions[place.vertices[0]] - target))
+        if away > _FAR_M:
+            yield Finding(
+                "warning", "pin-far", file, key, f"{pin.at} starts {away * M_TO_MM:.0f} mm from where the pin holds it",
+                "Points are in mm, y is the height above the floor; correct the point, or place the panel near it.",
+            )  # fmt: skip
+
+
+def _check_belts(pattern: Pattern, mannequin: Mannequin, file: str | None) -> Iterator[Finding]:
+    girth = max((mannequin.measurements_mm.get(name, 0.0) for name in ("bust", "waist", "hip")), default=0.0)
+    for band in pattern.bands:
+        if band.length_mm is None:
+            continue
+        around = sum(_line_mm(pattern, line) for line in band.lines)
+        if band.length_mm < around / _GATHERED or band.length_mm > _GATHERED * max(around, girth):
+            yield Finding(
+                "warning", "belt-length", file, f"belts.{band.name}.length",
+                f"the belt is {band.length_mm:g} mm long, and the cloth along it {around:.0f} mm; the largest girth of {mannequin.name} is {girth:.0f} mm",
+                "Its length is that of the whole ring when nothing pulls, in mm: about the girth that it goes around.",
+            )  # fmt: skip
+
+
+def _line_mm(pattern: Pattern, line: tuple[EdgeUse, ...] | tuple[PanelPoint, PanelPoint]) -> float:
+    first, last = line[0], line[-1]
+    if isinstance(first, PanelPoint) and isinstance(last, PanelPoint):
+        return math.dist(first.uv_mm, last.uv_mm)
+    return side_length(pattern, line)  # type: ignore[arg-type]

@@ -1,4 +1,4 @@
-"""Findings on single panels: outline, cutouts, regions, folds, size."""
+"""Findings on single panels: outline, cutouts, drill holes, regions, folds, size."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ _SHORT_MM = 1.0
 _ZERO_MM = 0.01
 _TOLERANCE_MM = 0.05  # of the polylines that stand for curves
 _OUTSIDE_MM2 = 1.0
+_OUTSIDE_MM = 0.5
 
 
 def check_panel(panel: Panel, grid_mm: float, file: str | None) -> Iterator[Finding]:
@@ -61,6 +62,13 @@ def _check_inside(panel: Panel, polygon: shapely.Polygon, file: str | None, key:
             yield Finding(
                 "error", "cutout-outside", file, f"{key}.cutouts.{k}", f"{outside:.0f} of {area.area:.0f} mm2 of the cutout lie outside the panel",
                 "Move the cutout inside, or draw it as part of the outline.",
+            )  # fmt: skip
+    for name, hole_mm in panel.drill_holes.items():
+        off = polygon.distance(shapely.Point(hole_mm))
+        if off > _OUTSIDE_MM:
+            yield Finding(
+                "warning", "hole-outside", file, f"{key}.drill_holes.{name}",
+                f"the drill hole lies {off:.1f} mm outside the panel, at ({hole_mm[0]:.1f}, {hole_mm[1]:.1f}) mm", "Move it onto the cloth.",
             )  # fmt: skip
     for region in panel.regions:
         covered = shapely.make_valid(shapely.Polygon(region.polygon_mm))

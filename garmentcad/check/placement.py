@@ -1,4 +1,4 @@
-"""Findings on placed panels: twisted seams, panels that cross each other, panels inside the mannequin."""
+"""Findings on placed panels: twisted seams, panels that cross each other, panels inside the mannequin or far from it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,8 @@ from garmentcad.pattern.pattern import EdgeUse, Pattern, Wrap
 from garmentcad.pattern.runs import side_length
 from garmentcad.units import M_TO_MM, MM_TO_M
 
-_SHALLOW_M = 0.010  # contact pushes shallower points out gently while the seams close
+_FAR_M = 1.0  # flat panels of GarmentCode start up to half a metre away
+SHALLOW_M = 0.010  # contact pushes shallower points out gently while the seams close
 
 
 def check_moves(moves: list[Move], file: str | None = None) -> Iterator[Finding]:
@@ -38,7 +39,7 @@ def check_placement(cloth: Cloth, positions: np.ndarray, mannequin: Mannequin, f
         if inside.any():
             deepest = float(depth[inside].max())
             yield Finding(
-                "error" if deepest > _SHALLOW_M else "warning", "panel-inside-body", file, f"panels.{name}.placement",
+                "error" if deepest > SHALLOW_M else "warning", "panel-inside-body", file, f"panels.{name}.placement",
                 f"{int(inside.sum())} of {int(mine.sum())} points start inside {mannequin.name}, up to {deepest * M_TO_MM:.0f} mm deep",
                 "Enlarge the offset or the scale of the placement, or move the panel; a few mm are pushed out while the seams close.",
             )  # fmt: skip
@@ -69,6 +70,27 @@ def check_reach(pattern: Pattern, cloth: Cloth, positions: np.ndarray, mannequin
                 f"the panel is wrapped from {along.min():.0f} to {along.max():.0f} mm along '{rule.part}', "
                 f"which goes from {body.min():.0f} to {body.max():.0f} mm",
                 "Heights are in mm along the part, those of the torso above the floor; correct the height, or name the part that is meant.",
+            )  # fmt: skip
+
+
+def check_flat(pattern: Pattern, cloth: Cloth, positions: np.ndarray, mannequin: Mannequin, file: str | None = None) -> Iterator[Finding]:
+    """Panels laid flat far from the body or below the floor: a translation in cm, say."""
+    low, high = mannequin.vertices.min(axis=0), mannequin.vertices.max(axis=0)
+    for index, (name, panel) in enumerate(pattern.panels.items()):
+        if isinstance(panel.placement, Wrap):
+            continue
+        key, mine = f"panels.{name}.placement.transform.translation", positions[cloth.vertex_panel == index]
+        away = float(np.linalg.norm(np.maximum(0.0, np.maximum(low - mine, mine - high)), axis=1).min())
+        middle = M_TO_MM * float(mine[:, 1].mean())
+        if middle < 0.0:
+            yield Finding(
+                "warning", "panel-below-floor", file, key, f"the middle of the panel starts {-middle:.0f} mm below the floor",
+                "Translations are in mm, y is the height above the floor; lay the panel beside the part of the body that wears it.",
+            )  # fmt: skip
+        elif away > _FAR_M:
+            yield Finding(
+                "warning", "panel-far", file, key, f"the panel starts {away * M_TO_MM:.0f} mm away from {mannequin.name}",
+                "Translations are in mm; lay the panel beside the part of the body that wears it.",
             )  # fmt: skip
 
 
