@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from garmentcad.cli.named import named_numbers
-from garmentcad.errors import InputError
+from garmentcad.errors import InputError, did_you_mean
 
 app = typer.Typer(no_args_is_help=True, help="Mannequins.")
 
@@ -59,10 +59,13 @@ def make(
     from garmentcad.export.obj import write_mannequin_obj
     from garmentcad.export.picture import render_body
     from garmentcad.io.atomic import write_atomic
-    from garmentcad.io.mannequin_file import KINDS, checked_spec, mannequin_of, read_mannequin
+    from garmentcad.io.mannequin_file import KINDS, checked_spec, mannequin_names, mannequin_of, read_mannequin
     from garmentcad.io.pose_file import read_poses
     from garmentcad.mannequin.motion import motion
 
+    known = [*KINDS, *mannequin_names()]
+    if not Path(source).suffix and source not in known:
+        raise InputError(f"{source[:100]!r} is no kind of body, no shipped mannequin and no file{did_you_mean(source, known)}")
     if out.suffix not in (".yaml", ".obj", ".png"):
         raise InputError(f"cannot write {out.suffix or out.name!r}; allowed are .yaml, .obj, .png", key="--out")
     if out.suffix == ".yaml" and (source not in KINDS or pose is not None):

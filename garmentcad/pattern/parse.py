@@ -12,6 +12,11 @@ from garmentcad.pattern.spec import GarmentSpec
 
 Made = TypeVar("Made", bound=Model)
 
+# Keys of the spec whose values are points: of a panel, by name, and of the world.
+_FLAT = {"center", "quadratic", "through", "start_tangent", "end_tangent", "polygon", "anchor"}
+_FLAT_BY_NAME = {"points", "drill_holes", "internal_lines"}
+_SOLID = {"translation", "rotation", "point", "offset"}
+
 
 def parse_spec(data: Any, file: str | None = None) -> GarmentSpec:
     """GarmentSpec of plain data as read from YAML. SpecError with the first fault otherwise, naming how many there are."""
@@ -32,7 +37,8 @@ def parse_model(model: type[Made], data: Any, file: str | None = None) -> Made:
 def spec_errors(fault: ValidationError, file: str | None) -> list[SpecError]:
     """One SpecError for each fault that pydantic found."""
     found = []
-    for error in fault.errors(include_url=False):
+    errors = fault.errors(include_url=False)
+    for error in errors:
         # Tags of unions (<drawn>) and the mark of a dict key ([key]) are pydantic's own, not the user's.
         path = [str(part) for part in error["loc"] if not str(part).startswith("<") and part != "[key]"]
         context = error.get("ctx", {})
@@ -41,8 +47,13 @@ def spec_errors(fault: ValidationError, file: str | None) -> list[SpecError]:
             path.append(context["key"])
             if " " in context["key"]:
                 message += " (a text with a comma or colon inside braces needs quotes)"
+        elif kind == "missing" and isinstance(error["loc"][-1], int):
+            size = 1 + max(int(other["loc"][-1]) for other in errors if other["type"] == "missing" and other["loc"][:-1] == error["loc"][:-1])
+            message = f"{size} entries are wanted{_form(error['loc'][:-1])}, came {shown(error['input'])}; this one is missing"
         elif kind == "missing":
             message = "this key is missing"
+        elif kind == "tuple_type":
+            message = f"a list is wanted{_form(error['loc'])}, came {shown(error['input'])}"
         elif kind in ("model_type", "model_attributes_type", "dict_type"):
             message = f"a mapping is wanted, came {shown(error['input'])}"
         elif kind in ("too_short", "too_long"):
@@ -52,6 +63,14 @@ def spec_errors(fault: ValidationError, file: str | None) -> list[SpecError]:
             message = f"{message[:1].lower()}{message[1:]}, came {shown(error['input'])}"
         found.append(SpecError(message, file=file, key=".".join(path) or None))
     return found
+
+
+def _form(place: tuple[int | str, ...]) -> str:
+    """How a point is written, where one belongs in this place."""
+    *_, above, key = ["", "", *(part for part in place if isinstance(part, str) and not part.startswith("<"))]
+    if above in _FLAT_BY_NAME or key in _FLAT:
+        return ", as [x, y]"
+    return ", as [x, y, z]" if key in _SOLID else ""
 
 
 def shown(value: Any) -> str:
