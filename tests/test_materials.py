@@ -79,3 +79,9 @@ def test_impossible_cloth_names_the_region() -> None:
     with pytest.raises(SpecError, match="impossible") as caught:
         lay_out(job(regions=[{"name": "slab", "polygon": square(0, 100), "factors": {"W": 30}, "interfacing": "fusible"}]))
     assert caught.value.key == "panels.p.regions.slab.W"
+
+
+def test_regions_of_one_name_keep_their_own_rows() -> None:
+    """The interfacing of a panel is a region of that name too."""
+    made = job(interfacing="fusible", regions=[{"name": "interfacing", "polygon": square(0, 100), "factors": {"W": 2}}])
+    assert masses(made, 50.0, 150.0) == pytest.approx([0.44, 0.24])

@@ -1,4 +1,4 @@
-"""Which material lies where: one row per panel and per region, and the function that says which row a point of a panel has."""
+"""Which material lies where: a row for each panel, followed by one for each of its regions, and the function that says which row a point of a panel has."""
 
 from __future__ import annotations
 
@@ -22,13 +22,11 @@ def lay_out_sheets(pattern: Pattern, sheets: Mapping[str, KesSheet]) -> tuple[Ma
     """
     rows: list[MaterialRow] = []
     of_panel: dict[str, int] = {}
-    of_region: dict[tuple[str, str], int] = {}
     for panel in pattern.panels.values():
         of_panel[panel.name] = len(rows)
         fabric = panel.fabric or pattern.fabric
         rows.append(material_row(sheets[fabric]))
         for region in panel.regions:
-            of_region[panel.name, region.name] = len(rows)
             try:
                 rows.append(material_row(sheets[region.fabric or fabric], region.factors, sheets[region.interfacing] if region.interfacing else None))
             except FabricError as fault:
@@ -36,9 +34,9 @@ def lay_out_sheets(pattern: Pattern, sheets: Mapping[str, KesSheet]) -> tuple[Ma
 
     def material_of(panel: Panel, points_mm: np.ndarray) -> np.ndarray:
         found = np.full(len(points_mm), of_panel[panel.name], dtype=np.int32)
-        for region in panel.regions:
+        for row, region in enumerate(panel.regions, of_panel[panel.name] + 1):
             inside = contains_xy(Polygon(region.polygon_mm), points_mm[:, 0], points_mm[:, 1])
-            found[inside] = of_region[panel.name, region.name]
+            found[inside] = row
         return found
 
     return material_table(rows), material_of
