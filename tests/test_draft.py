@@ -317,6 +317,84 @@ def test_faults(change: Callable[[dict[str, Any]], Any], key: str, message: str)
     assert message in caught.value.message
 
 
+def named_twice(change: Callable[[dict[str, Any]], Any], mirror: str | None = None) -> tuple[str | None, str]:
+    """Key and message of the refusal of a rectangle of 1200 x 500 mm, its upper right corner c, with pleats k in its top and a dart d in its hem."""
+    points = {"a": [0, 0], "b": [1200, 0], "c": [1200, 500], "d": [0, 500]}
+    edges = [{"name": name, "from": start, "to": end} for name, start, end in (("hem", "a", "b"), ("right", "b", "c"), ("top", "c", "d"), ("left", "d", "a"))]
+    panel: dict[str, Any] = {
+        "points": points, "edges": edges, "mirror": mirror, "placement": SKIRT["panels"]["back"]["placement"],
+        "pleats": [{"name": "k", "edge": "top", "at": {"mm": 200, "from": "c"}, "depth": 40, "count": 3, "every": 200}],
+        "darts": [{"name": "d", "edge": "hem", "at": 0.5, "intake": 20, "length": 50}],
+    }  # fmt: skip
+    spec = {"name": "x", "fabric": "wool", "mannequin": "woman", "panels": {"p": panel}}
+    assert draft(parse_spec(spec), BODY)
+    change(panel)
+    with pytest.raises(SpecError) as caught:
+        draft(parse_spec(spec), BODY)
+    return caught.value.key, caught.value.message
+
+
+def test_names_that_darts_and_pleats_make_are_their_own() -> None:
+    def renamed(name: str) -> Callable[[dict[str, Any]], Any]:
+        return lambda panel: panel["edges"][1].update(name=name)
+
+    folded = {"internal_lines": {"line": [[50, 0], [50, 500]]}, "folds": [{"name": "k_2_under", "line": "line", "angle": 90}]}
+    assert named_twice(lambda panel: panel["darts"][0].update(name="k_1")) == (
+        "panels.p.pleats.0.name", "pleat 'k_1' makes a seam 'k_1', and that of dart 'k_1' of that name is there; rename one",
+    )  # fmt: skip
+    for change, place, made in (
+        (renamed("d_leg_a"), "darts.0", "dart 'd' makes an edge 'd_leg_a', and an edge"),
+        (renamed("k_3_leg_b"), "pleats.0", "pleat 'k_3' makes an edge 'k_3_leg_b', and an edge"),
+        (lambda panel: panel.update(folded), "pleats.0", "pleat 'k_2' makes a fold 'k_2_under', and a fold"),
+        (lambda panel: panel["points"].update(k_1_fold=[5, 5]), "pleats.0", "pleat 'k_1' makes a point 'k_1_fold', and a point"),
+        (lambda panel: panel.update(drill_holes={"d_apex": [5, 5]}), "darts.0", "dart 'd' makes a point 'd_apex', and a drill hole"),
+    ):
+        assert named_twice(change) == (f"panels.p.{place}.name", f"{made} of that name is there; rename one")
+    key, message = named_twice(lambda panel: panel.update(drill_holes={"c": [20, 100]}))
+    assert (key, message.split(";")[0]) == ("panels.p.drill_holes.c", "a point is called 'c' too")
+
+
+def test_images_have_names_of_their_own() -> None:
+    square = [[50, 50], [60, 50], [60, 60]]
+    lines = {"l": [[50, 0], [50, 500]], "l_m": [[70, 0], [70, 500]], "n": [[90, 0], [90, 500]]}
+    for more, named in (
+        ({"darts": [{"name": name, "edge": "hem", "at": at, "intake": 20, "length": 50} for name, at in (("d", 0.3), ("d_m", 0.6))]}, "dart or pleat 'd'"),
+        ({"drill_holes": {"h": [50, 300], "h_m": [80, 100]}}, "point or drill hole 'h'"),
+        ({"drill_holes": {"a_m": [50, 300]}}, "point or drill hole 'a'"),
+        ({"internal_lines": {"l": lines["l"], "l_m": lines["l_m"]}}, "internal line 'l'"),
+        ({"regions": [{"name": name, "polygon": square, "factors": {"B": 2}} for name in ("r", "r_m")]}, "region 'r'"),
+        (
+            {"internal_lines": {"l": lines["l"], "n": lines["n"]}, "folds": [{"name": "f", "line": "l", "angle": 9}, {"name": "f_m", "line": "n", "angle": 9}]},
+            "fold 'f'",
+        ),
+    ):
+        key, message = named_twice(lambda panel, more=more: panel.update(more), "right")
+        assert key == "panels.p.mirror"
+        assert message.startswith(f"the image of {named} would be called ")
+
+
+def test_a_point_of_the_fold_keeps_its_name_and_no_image_takes_it() -> None:
+    def change(panel: dict[str, Any]) -> None:
+        panel["points"] |= {"c_m": [1200, 500], "c": [5, 5]}
+        panel["edges"][1]["to"] = panel["edges"][2]["from"] = panel["pleats"][0]["at"]["from"] = "c_m"
+
+    assert named_twice(change, "right")[1].startswith("the image of point or drill hole 'c' would be called 'c_m'")
+
+
+def test_a_notch_does_not_go_with_the_mirror_edge() -> None:
+    key, message = named_twice(lambda panel: panel.update(notches=[{"edge": "right", "at": 0.5, "name": "waist"}]), "right")
+    assert key == "panels.p.mirror"
+    assert message.startswith("notch 'waist' stands on edge 'right', which goes when the panel is unfolded")
+
+
+def test_points_of_folds_keep_clear_of_drill_holes() -> None:
+    panel = copy.deepcopy(SKIRT["panels"]["back"]) | {
+        "internal_lines": {"x": [[50, -400], [50, 0]]}, "folds": [{"name": "f", "line": "x", "angle": 90}], "drill_holes": {"f_1": [100, -100]}, "darts": [],
+    }  # fmt: skip
+    drafted_panel = draft(parse_spec({"name": "x", "fabric": "wool", "mannequin": "woman", "panels": {"p": panel}}), BODY).panels["p"]
+    assert [name for name in drafted_panel.points if name.startswith("f_")] == ["f_2", "f_3"]
+
+
 def test_values_outside_their_range() -> None:
     with pytest.raises(SpecError, match="came 299; allowed is 300 to 700"):
         drafted(ordered, {"length": 299})

@@ -13,6 +13,7 @@ from garmentcad.pattern.darts import add_notches, cut_darts
 from garmentcad.pattern.fold import cut_at_folds, draft_folds
 from garmentcad.pattern.hardware import draft_hardware
 from garmentcad.pattern.mirror import mirrored_panel, unfold
+from garmentcad.pattern.names import check_made
 from garmentcad.pattern.outline import draft_loop, finish_loop, is_counter_clockwise, reverse_edge
 from garmentcad.pattern.pattern import Edge, EdgeUse, Panel, Pattern, Seam, Transform, Wrap
 from garmentcad.pattern.pleats import cut_pleats, pleat_seam
@@ -93,11 +94,7 @@ def _draft_panel(name: str, spec: PanelSpec, scope: Scope) -> Panel:
     backward = not is_counter_clockwise(drawn, f"{key}.edges")
     outline = [reverse_edge(edge) for edge in reversed(drawn)] if backward else drawn
     edges = cut_darts(outline, spec.darts, backward, scope, f"{key}.darts")
-    for k, dart in enumerate(spec.darts):
-        for point in (f"{dart.name}_a", f"{dart.name}_apex", f"{dart.name}_b"):
-            if point in points:
-                raise SpecError(f"the dart makes a point {point!r}, and the panel has one of that name; rename one", key=f"{key}.darts.{k}.name")
-    edges, laid = cut_pleats(edges, spec.pleats, backward, points, scope, f"{key}.pleats")
+    edges, laid = cut_pleats(edges, spec.pleats, backward, scope, f"{key}.pleats")
     points |= {edge.start: edge.curve.start for edge in edges}
     holes: list[tuple[Edge, ...]] = []
     for k, specs in enumerate(spec.cutouts):
@@ -127,6 +124,7 @@ def _draft_panel(name: str, spec: PanelSpec, scope: Scope) -> Panel:
         drill_holes={hole: scope.point(pair, f"{key}.drill_holes.{hole}") for hole, pair in spec.drill_holes.items()},
         points=points,
     )
+    check_made(spec, panel, key)
     return cut_at_folds(panel if spec.mirror is None else unfold(panel, spec.mirror, f"{key}.mirror"))
 
 

@@ -53,7 +53,7 @@ def draft_share(pressed: Pressed, scope: Scope, key: str) -> float | None:
 
 def cut_at_folds(panel: Panel) -> Panel:
     """The panel with its edges, those of cutouts too, cut where folds meet them: a particle lies there. The new points are called FOLD_1, FOLD_2, ..."""
-    taken = set(panel.points)
+    taken = {*panel.points, *panel.drill_holes}
     loops = [[part for edge in loop for part in _cut_edge(edge, panel.folds, taken)] for loop in (panel.edges, *panel.holes)]
     if not panel.folds or sum(map(len, loops)) == sum(len(loop) for loop in (panel.edges, *panel.holes)):
         return panel

@@ -11,10 +11,10 @@ import numpy as np
 from garmentcad.errors import SpecError
 from garmentcad.geometry.curve import Line, Point, mirror_point
 from garmentcad.pattern.darts import find_edge
+from garmentcad.pattern.names import SUFFIX, check_images
 from garmentcad.pattern.outline import finish_loop, mirror_edge
 from garmentcad.pattern.pattern import Edge, Panel, Region, Transform, Wrap
 
-SUFFIX = "_m"
 _ON_FOLD_MM = 0.01  # a fold line that is its own image, as the crease at centre front, stays one
 
 
@@ -22,7 +22,7 @@ def unfold(half: Panel, mirror: str, key: str) -> Panel:
     """The whole panel of a half one: its mirror edge goes, mirrored edges, points, darts, regions, lines, holes get the suffix `_m`.
 
     The two points of the mirror edge lie on the fold and keep their names; notches keep theirs too, so that they meet the same notch on either side.
-    SpecError: unknown or curved mirror edge, a mirror edge with a dart, a name that the suffix makes twice.
+    SpecError: unknown or curved mirror edge, a mirror edge with a dart or a notch, a name that the suffix makes twice.
     """
     where = find_edge(half.edges, mirror, key)
     fold = half.edges[where]
@@ -32,22 +32,23 @@ def unfold(half: Panel, mirror: str, key: str) -> Panel:
         raise SpecError(f"edge {mirror!r} is cut by a dart; put half of the dart on the edges beside it", key=key)
     point, direction = fold.curve.start, _direction(fold.curve)
 
+    if fold.notches:
+        raise SpecError(f"notch {fold.notches[0][0]!r} stands on edge {mirror!r}, which goes when the panel is unfolded; put it on an edge beside it", key=key)
+
     def renamed(name: str) -> str:
         return name if name in (fold.start, fold.end) else name + SUFFIX
 
     drawn = [*half.edges[where + 1 :], *half.edges[:where]]
     image = _mirrored(half, point, direction, renamed, SUFFIX)
     turned = [mirror_edge(edge, point, direction, renamed, SUFFIX) for edge in reversed(drawn)]
-    old = {edge.name for loop in (drawn, *half.holes) for edge in loop}
-    new = {edge.name for loop in (turned, *image.holes) for edge in loop}
-    for taken in sorted(old & new) + sorted(half.points.keys() & image.points.keys() - {fold.start, fold.end}):
-        raise SpecError(f"two edges or points would be called {taken!r} once the panel is unfolded; rename the one that ends with {SUFFIX}", key=key)
+    on_fold = [np.allclose(other.points_mm, line.points_mm, atol=_ON_FOLD_MM) for other, line in zip(image.folds, half.folds)]
+    check_images(replace(half, edges=tuple(drawn)), (fold.start, fold.end), [line.name for line, own in zip(half.folds, on_fold) if own], key)
     return replace(
         half,
         edges=finish_loop([*drawn, *turned]),
         holes=half.holes + image.holes,
         regions=half.regions + image.regions,
-        folds=half.folds + tuple(fold for fold, drawn in zip(image.folds, half.folds) if not np.allclose(fold.points_mm, drawn.points_mm, atol=_ON_FOLD_MM)),
+        folds=half.folds + tuple(line for line, own in zip(image.folds, on_fold) if not own),
         internal_lines=half.internal_lines | image.internal_lines,
         drill_holes=half.drill_holes | image.drill_holes,
         points=image.points | half.points,

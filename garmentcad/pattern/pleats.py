@@ -8,13 +8,13 @@ That apex lies over the point s - depth of the edge and is tacked to it.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from garmentcad.errors import SpecError
-from garmentcad.geometry.curve import Line, Point
+from garmentcad.geometry.curve import Line
 from garmentcad.geometry.portable import product
 from garmentcad.pattern.darts import find_edge, place_fraction
 from garmentcad.pattern.fold import cut_edge, draft_share, draft_strength, meeting, sampled
@@ -27,9 +27,7 @@ _MOST = 100
 _SAME_MM = 0.01
 
 
-def cut_pleats(
-    edges: Sequence[Edge], pleats: Sequence[PleatsSpec], drawn_backward: bool, points: Mapping[str, Point], scope: Scope, key: str
-) -> tuple[list[Edge], tuple[FoldLine, ...]]:
+def cut_pleats(edges: Sequence[Edge], pleats: Sequence[PleatsSpec], drawn_backward: bool, scope: Scope, key: str) -> tuple[list[Edge], tuple[FoldLine, ...]]:
     """A counter-clockwise loop with its pleats cut in, and their folds NAME_k_fold and NAME_k_under from the edge across the panel.
 
     Points NAME_k_a (over which the depth ends), NAME_k_fold, NAME_k_under, NAME_k_b, edges NAME_k_leg_a, NAME_k_leg_b. SpecError: unknown or curved edge, a
@@ -49,11 +47,7 @@ def cut_pleats(
         marks = [(place - depth, place, place + depth, place + 2.0 * depth) for place in at]
         _check_room(spec, edge, marks, where)
         folds += _folds(spec, edge, edges, marks, scope, where)
-        pieces = _cut(spec, edge, marks, where)
-        for piece in pieces[1:]:
-            if piece.start in points:
-                raise SpecError(f"the pleats make a point {piece.start!r}, and the panel has one of that name; rename one", key=f"{where}.name")
-        loop[index : index + 1] = pieces
+        loop[index : index + 1] = _cut(spec, edge, marks, where)
     return loop, tuple(folds)
 
 
