@@ -52,6 +52,14 @@ def test_independent_rows_and_no_rows() -> None:
     assert dependences(rows(np.zeros((0, 3)), np.zeros((0, 3))), 3, NO_BODY) == []
 
 
+def test_a_row_that_ties_a_point_to_itself_depends_on_nothing_else() -> None:
+    """A button whose two points a seam has made one: the first row, or after another."""
+    tie = PointRows(np.array([0, 0]), np.array([0, 0]), np.array([1.0, -1.0]), np.zeros((1, 3)), ("a",), np.zeros(1), np.zeros(1))
+    assert [(found.names, found.off_m) for found in dependences(tie, 1, NO_BODY)] == [(("a",), 0.0)]
+    both = PointRows(np.array([0, 1, 1]), np.zeros(3, np.int64), np.array([1.0, 1.0, -1.0]), np.zeros((2, 3)), ("a", "b"), np.zeros(2), np.zeros(2))
+    assert [(found.names, found.off_m) for found in dependences(both, 1, NO_BODY)] == [(("b",), 0.0)]
+
+
 def test_a_shank_is_no_conflict() -> None:
     """Both ends of a button are pinned: 1 mm apart they can hold, 3 mm apart not."""
     matrix = np.array([[1.0, 0.0], [0.0, 1.0], [1.0, -1.0]])

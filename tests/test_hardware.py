@@ -190,6 +190,15 @@ def test_redundant_pins_are_named_and_solved() -> None:
     assert any("'peg_front' and 'twin' hold the same points" in warning for warning in told.warnings)
 
 
+def test_a_button_on_a_sewn_corner_holds_nothing_and_is_told() -> None:
+    made = job(lambda data: data.update(closures=[{"name": "button", "button": "left.back_top", "buttonhole": "right.back_top"}]), grid_mm=30.0)
+    materials, material_of = lay_out(made)
+    flat = build_cloth(made.pattern, material_of, materials, 30.0)
+    (finding,) = check_hardware(made.pattern, flat, materials, BODY)
+    assert (finding.severity, finding.code, finding.remedy) == ("warning", "redundant-constraints", "Leave it out, or move one of its points.")
+    assert finding.message == "button and buttonhole of 'button' are one point once the seams are closed: it holds nothing"
+
+
 def test_a_pin_to_a_landmark_stands_clear_of_the_body() -> None:
     """A landmark inside the body, and one on it, hold the cloth at the gap that contact keeps; an offset beyond it holds as it is."""
     for mark, offset, distance in (("front", 0.0, None), ("inside", 0.0, None), ("front", 20.0, 0.020)):

@@ -42,7 +42,8 @@ def check_hardware(
         return
     for found in redundances(rows, cloth, mannequin):
         yield Finding(
-            "warning", "redundant-constraints", file, None, redundance_message(found), "Leave one of them out; all of them are solved together as they are."
+            "warning", "redundant-constraints", file, None, redundance_message(found),
+            "Leave one of them out; all of them are solved together as they are." if len(found.names) > 1 else "Leave it out, or move one of its points.",
         )  # fmt: skip
     yield from _check_pins(pattern, flat, positions, mannequin, file)
     yield from _check_belts(pattern, mannequin, file)

@@ -22,7 +22,8 @@ _MET_M = 1e-4  # constraints that are off by less do not contradict each other
 
 @dataclass(frozen=True)
 class Dependence:
-    """A constraint that depends on others. names: of all of them, in the order of the rows; off_m: by how much they cannot all be met, 0 where they can."""
+    """A constraint that depends on others. names: of all of them, in the order of the rows, or its own alone where it ties a point to that point;
+    off_m: by how much they cannot all be met, 0 where they can."""
 
     names: tuple[str, ...]
     off_m: float
@@ -66,7 +67,7 @@ def _within(matrix: np.ndarray, targets: np.ndarray, shank: np.ndarray, names: l
             continue
         share = solve_triangular(triangle[:rank, :rank], share)
         used = np.abs(share) > _COUNTS
-        others = np.array(sound)[used]
+        others = np.array(sound, dtype=np.int64)[used]  # none where a row has no particles of its own left
         # a shank may point anywhere
         slack = float(shank[k] + np.abs(share[used]) @ shank[others])
         off = float(np.linalg.norm(targets[k] - share[used] @ targets[others])) - slack

@@ -123,6 +123,8 @@ def redundances(rows: PointRows, cloth: Cloth, body: Mannequin) -> list[Dependen
 
 def redundance_message(found: Dependence) -> str:
     """What the report and the doctor say of one."""
+    if len(found.names) == 1:
+        return f"button and buttonhole of '{found.names[0]}' are one point once the seams are closed: it holds nothing"
     return f"{_named(found)} hold the same points: one of them is redundant"
 
 
