@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 import trimesh
 
-from garmentcad.geometry.intersection import _cross_exactly, crossing_triangle_pairs, crossing_triangle_pairs_between
+import garmentcad.geometry.intersection as intersection
+from garmentcad.geometry.intersection import _cross_exactly, crossing_owners, crossing_triangle_pairs, crossing_triangle_pairs_between
 
 
 def independent(positions: np.ndarray, triangles: np.ndarray) -> set[tuple[int, int]]:
@@ -107,6 +108,34 @@ def test_filter_never_contradicts_exact_arithmetic() -> None:
             crossing += expected
             assert ((int(i), int(j)) in found) == expected
     assert crossing > 100
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_owners_that_cross_are_those_of_the_triangles_that_do(seed: int) -> None:
+    """In space, and in one plane, where every verdict is in doubt."""
+    rng = np.random.default_rng(seed)
+    positions = (rng.uniform(-1, 1, (60, 1, 3)) + rng.uniform(-0.25, 0.25, (60, 3, 3))).reshape(-1, 3)
+    triangles, owner = np.arange(180).reshape(-1, 3), rng.integers(0, 8, 60)
+    for placed in (positions, positions * [1.0, 1.0, 0.0]):
+        pairs = [tuple(pair) for pair in np.sort(owner[crossing_triangle_pairs(placed, triangles)], axis=1).tolist()]
+        expected = sorted({(a, b) for a, b in pairs if a != b})
+        assert len(expected) > 0
+        found = crossing_owners(placed, triangles, owner)
+        assert list(found) == expected
+        assert all(1 <= found[pair] <= pairs.count(pair) for pair in expected)
+
+
+def test_parts_that_lie_on_each_other_are_judged_exactly_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    x, y = np.meshgrid(np.arange(6.0), np.arange(6.0))
+    sheet = np.column_stack([x.ravel(), y.ravel(), np.zeros(36)])
+    corner = (np.arange(5)[:, None] * 6 + np.arange(5)).ravel()
+    faces = np.concatenate([np.stack([corner, corner + 1, corner + 7], axis=1), np.stack([corner, corner + 7, corner + 6], axis=1)])
+    judged = []
+    monkeypatch.setattr(intersection, "_cross_exactly", lambda *of: judged.append(of) or _cross_exactly(*of))
+    owner = np.repeat([0, 1, 2], 50)
+    placed = np.concatenate([sheet, sheet, sheet + np.array([0.0, 0.0, 1.0])])
+    assert crossing_owners(placed, np.concatenate([faces, faces + 36, faces + 72]), owner) == {(0, 1): 1}
+    assert len(judged) == 1
 
 
 def test_nothing_in_nothing_out() -> None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from garmentcad.analysis.penetration import signed_distances
 from garmentcad.cloth.cloth import Cloth
-from garmentcad.geometry.intersection import crossing_triangle_pairs
+from garmentcad.geometry.intersection import crossing_owners
 from garmentcad.geometry.portable import norm
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.pattern import Pattern, Transform
@@ -52,14 +52,12 @@ def clearing_moves(pattern: Pattern, cloth: Cloth, positions: np.ndarray, manneq
     for _ in range(_ROUNDS):
         moved = positions + (moves + reserve)[cloth.vertex_panel]
         before = moves.copy()
-        depth = -signed_distances(moved, mannequin.vertices, mannequin.faces)
-        for panel in np.flatnonzero(flat):
-            deepest = float(depth[cloth.vertex_panel == panel].max())
+        for panel in np.flatnonzero(flat).tolist():
+            deepest = -float(signed_distances(moved[cloth.vertex_panel == panel], mannequin.vertices, mannequin.faces).min())
             if deepest > 0.0:
                 moves[panel] += (deepest + STEP_M) * normals[panel]
                 reasons[panel].add(f"mannequin {mannequin.name}")
-        pairs = np.unique(np.sort(owner[crossing_triangle_pairs(moved, cloth.triangles)], axis=1), axis=0)
-        for a, b in pairs[pairs[:, 0] != pairs[:, 1]].tolist():
+        for a, b in crossing_owners(moved, cloth.triangles, owner):
             apart = middles[a] + moves[a] - middles[b] - moves[b]
             length = norm(apart)
             direction = apart / length if length > STEP_M else normals[a]

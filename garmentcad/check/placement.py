@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator
 
 import numpy as np
@@ -11,7 +10,7 @@ from garmentcad.analysis.clearance import Move
 from garmentcad.analysis.penetration import signed_distances
 from garmentcad.check.finding import Finding
 from garmentcad.cloth.cloth import Cloth
-from garmentcad.geometry.intersection import crossing_triangle_pairs
+from garmentcad.geometry.intersection import crossing_owners, crossing_triangle_pairs
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.pattern import EdgeUse, Pattern, Wrap
 from garmentcad.pattern.runs import side_length
@@ -43,16 +42,21 @@ def check_placement(cloth: Cloth, positions: np.ndarray, mannequin: Mannequin, f
                 f"{int(inside.sum())} of {int(mine.sum())} points start inside {mannequin.name}, up to {deepest * M_TO_MM:.0f} mm deep",
                 "Enlarge the offset or the scale of the placement, or move the panel; a few mm are pushed out while the seams close.",
             )  # fmt: skip
-    pairs = crossing_triangle_pairs(positions, cloth.triangles)
     owner = cloth.vertex_panel[cloth.triangles[:, 0]]
-    crossing = Counter((min(a, b), max(a, b)) for a, b in owner[pairs].tolist())
-    for (a, b), count in sorted(crossing.items()):
-        name, other = cloth.panel_names[a], cloth.panel_names[b]
-        what = "crosses itself" if a == b else f"crosses panel {other}"
-        yield Finding(
-            "error", "placement-crossing", file, f"panels.{name}.placement", f"as placed the panel {what} in {count} pairs of triangles",
-            "Wrap it wider: enlarge offset or scale." if a == b else "Move the placements apart: other angles, heights or offsets.",
-        )  # fmt: skip
+    others = crossing_owners(positions, cloth.triangles, owner)
+    for index, name in enumerate(cloth.panel_names):
+        place = f"panels.{name}.placement"
+        own = len(crossing_triangle_pairs(positions, cloth.triangles[owner == index]))
+        if own > 0:
+            yield Finding(
+                "error", "placement-crossing", file, place, f"as placed the panel crosses itself in {own} pairs of triangles",
+                "Wrap it wider: enlarge offset or scale.",
+            )  # fmt: skip
+        for other, count in ((cloth.panel_names[b], count) for (a, b), count in others.items() if a == index):
+            yield Finding(
+                "error", "placement-crossing", file, place, f"as placed the panel crosses panel {other} in {count} or more pairs of triangles",
+                "Move the placements apart: other angles, heights or offsets.",
+            )  # fmt: skip
 
 
 def check_reach(pattern: Pattern, cloth: Cloth, positions: np.ndarray, mannequin: Mannequin, file: str | None = None) -> Iterator[Finding]:

@@ -24,18 +24,47 @@ Point = tuple[int, int, int]
 def crossing_triangle_pairs(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     """Pairs (K,2) of triangles (F,3) of one mesh that cross, each pair once, rising. positions: (P,3)."""
     positions, triangles = floats(positions), indices(triangles)
-    return _crossing(positions, triangles, len(triangles))
+    return _crossing(positions, triangles, indices(np.arange(len(triangles))))
 
 
 def crossing_triangle_pairs_between(positions: np.ndarray, triangles: np.ndarray, other_positions: np.ndarray, other_triangles: np.ndarray) -> np.ndarray:
     """Pairs (K,2) of a triangle of the first mesh and a triangle of the second mesh that cross, rising."""
     both = floats(np.concatenate([positions, other_positions]))
     joined = indices(np.concatenate([triangles, np.asarray(other_triangles) + len(positions)]))
-    return _crossing(both, joined, len(triangles)) - [0, len(triangles)]
+    return _crossing(both, joined, indices(np.arange(len(joined)) >= len(triangles))) - [0, len(triangles)]
 
 
-def _crossing(positions: np.ndarray, triangles: np.ndarray, first: int) -> np.ndarray:
-    """Crossing pairs among triangles 0..first-1 if these are all, else between them and the rest."""
+def crossing_owners(positions: np.ndarray, triangles: np.ndarray, owner: np.ndarray) -> dict[tuple[int, int], int]:
+    """Rising pairs of different owners of which a triangle of one crosses a triangle of the other, and how many pairs of triangles do at least. owner: (F,).
+
+    Where whole parts lie on each other every verdict takes exact arithmetic: it is asked for owners of whom nothing is sure, and up to their first crossing.
+    """
+    positions, triangles = floats(positions), indices(triangles)
+    near = _near(positions, triangles, indices(owner))
+    verdict = _verdicts(near, positions, triangles)
+    owners = np.sort(owner[near], axis=1)
+    sure, doubt = verdict == _YES, verdict == _DOUBT
+    pairs, counts = np.unique(owners[sure], axis=0, return_counts=True)
+    found = {(a, b): count for (a, b), count in zip(pairs.tolist(), counts.tolist())}
+    for a, b in np.unique(owners[doubt], axis=0).tolist():
+        doubtful = near[doubt & (owners == (a, b)).all(axis=1)]
+        if (a, b) not in found and any(_cross_exactly(positions, triangles[one], triangles[other]) for one, other in doubtful):
+            found[a, b] = 1
+    return dict(sorted(found.items()))
+
+
+def _crossing(positions: np.ndarray, triangles: np.ndarray, group: np.ndarray) -> np.ndarray:
+    """Crossing pairs of triangles of different groups (F,)."""
+    near = _near(positions, triangles, group)
+    verdict = _verdicts(near, positions, triangles)
+    for pair in np.flatnonzero(verdict == _DOUBT):
+        verdict[pair] = _YES if _cross_exactly(positions, triangles[near[pair, 0]], triangles[near[pair, 1]]) else _NO
+    found = near[verdict == _YES]
+    return found[np.lexsort((found[:, 1], found[:, 0]))]
+
+
+def _near(positions: np.ndarray, triangles: np.ndarray, group: np.ndarray) -> np.ndarray:
+    """Pairs (K,2) of triangles of different groups (F,) whose boxes overlap."""
     if len(triangles) == 0:
         return np.zeros((0, 2), dtype=np.int32)
     corners = positions[triangles]
@@ -44,25 +73,25 @@ def _crossing(positions: np.ndarray, triangles: np.ndarray, first: int) -> np.nd
     axis = int(np.argmax(boxes[:, 3:].max(axis=0) - boxes[:, :3].min(axis=0)))
     order = indices(np.argsort(boxes[:, axis], kind="stable"))
     near = np.empty((_USUAL_PAIRS * len(order), 2), dtype=np.int32)
-    count = _sweep(order, boxes, axis, first, near)
+    count = _sweep(order, boxes, axis, group, near)
     if count > len(near):
         near = np.empty((count, 2), dtype=np.int32)
-        _sweep(order, boxes, axis, first, near)
-    near = near[:count]
-    verdict = np.empty(count, dtype=np.int8)
+        _sweep(order, boxes, axis, group, near)
+    return near[:count]
+
+
+def _verdicts(near: np.ndarray, positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """Verdicts (K,) int8 on pairs, in floating point."""
+    verdict = np.empty(len(near), dtype=np.int8)
     _judge(near, positions, triangles, verdict)
-    for pair in np.flatnonzero(verdict == _DOUBT):
-        verdict[pair] = _YES if _cross_exactly(positions, triangles[near[pair, 0]], triangles[near[pair, 1]]) else _NO
-    found = near[verdict == _YES]
-    return found[np.lexsort((found[:, 1], found[:, 0]))]
+    return verdict
 
 
 @entry
 @kernel
-def _sweep(order, boxes, axis, first, pairs):  # type: ignore[no-untyped-def]
-    """Pairs whose boxes overlap; returns their number and stores as many as fit."""
+def _sweep(order, boxes, axis, group, pairs):  # type: ignore[no-untyped-def]
+    """Pairs of different groups whose boxes overlap; returns their number and stores as many as fit."""
     second, third = (axis + 1) % 3, (axis + 2) % 3
-    alone = first == len(order)
     count = 0
     for i in range(len(order)):
         one = order[i]
@@ -70,7 +99,7 @@ def _sweep(order, boxes, axis, first, pairs):  # type: ignore[no-untyped-def]
             other = order[j]
             if boxes[other, axis] > boxes[one, 3 + axis]:
                 break
-            if not alone and (one < first) == (other < first):
+            if group[one] == group[other]:
                 continue
             if boxes[one, second] > boxes[other, 3 + second] or boxes[other, second] > boxes[one, 3 + second]:
                 continue
