@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from garmentcad.check.region import check_regions
+from garmentcad.cloth.lattice import build_cloth
 from garmentcad.errors import SpecError
 from garmentcad.fabric.material import material_row
 from garmentcad.fabric.missing import Completed, complete
@@ -85,3 +87,19 @@ def test_regions_of_one_name_keep_their_own_rows() -> None:
     """The interfacing of a panel is a region of that name too."""
     made = job(interfacing="fusible", regions=[{"name": "interfacing", "polygon": square(0, 100), "factors": {"W": 2}}])
     assert masses(made, 50.0, 150.0) == pytest.approx([0.44, 0.24])
+
+
+def test_a_region_that_no_element_takes_is_found() -> None:
+    """At a grid of 10 mm a band of 3 mm has no effect, nor has one that a later region covers; one of 15 mm has."""
+
+    def found(*regions: dict[str, Any]) -> list[tuple[str, str | None]]:
+        made = job(regions=list(regions))
+        materials, material_of = lay_out(made)
+        return [(finding.code, finding.key) for finding in check_regions(made.pattern, build_cloth(made.pattern, material_of, materials, 10.0), "x.yaml")]
+
+    def band(width: float) -> dict[str, Any]:
+        return {"name": f"b{width:g}", "band": {"edge": "a", "width": width}, "factors": {"W": 2}}
+
+    assert found(band(3)) == [("region-without-lattice", "panels.p.regions.b3")]
+    assert found(band(15)) == []
+    assert found(band(15), {"name": "over", "polygon": square(0, 300), "factors": {"W": 2}}) == [("region-without-lattice", "panels.p.regions.b15")]

@@ -15,15 +15,22 @@ from garmentcad.fabric.sheet import KesSheet
 from garmentcad.pattern.pattern import Panel, Pattern
 
 
+def first_rows(pattern: Pattern) -> dict[str, int]:
+    """The row of each panel; its regions have those after it, in their order. Regions may share a name: the pieces of a band, a panel's interfacing."""
+    rows, found = 0, {}
+    for panel in pattern.panels.values():
+        found[panel.name] = rows
+        rows += 1 + len(panel.regions)
+    return found
+
+
 def lay_out_sheets(pattern: Pattern, sheets: Mapping[str, KesSheet]) -> tuple[MaterialTable, MaterialOf]:
     """Material table of a pattern, and `material_of(panel, points_mm (N,2)) -> rows (N,)`. Where regions overlap, the later one counts.
 
     sheets: completed, by the name under which panels and regions refer to them. SpecError (with the region's key) for factors that make impossible cloth.
     """
-    rows: list[MaterialRow] = []
-    of_panel: dict[str, int] = {}
+    rows, of_panel = list[MaterialRow](), first_rows(pattern)
     for panel in pattern.panels.values():
-        of_panel[panel.name] = len(rows)
         fabric = panel.fabric or pattern.fabric
         rows.append(material_row(sheets[fabric]))
         for region in panel.regions:
