@@ -51,10 +51,17 @@ def revolved() -> Mannequin:
 
 
 def band(
-    girth: float, fabric: str, sewn: int = 2, grain: float = 0.0, closed: float | None = None, below: float | None = None, joined: bool = True
+    girth: float,
+    fabric: str,
+    sewn: int = 2,
+    grain: float = 0.0,
+    closed: float | None = None,
+    below: float | None = None,
+    joined: bool = True,
+    **more: Any,
 ) -> list[Finding]:
     """A band of two panels around the waist, 60 mm high. closed: in place of its first seam there is a zip, closed so far. below: there is another band, so
-    far from the lower edge of the first, to which it is to be sewn if joined."""
+    far from the lower edge of the first, to which it is to be sewn if joined. more: of the spec, `panels` beside those two and `joints` beside their seams."""
     panel: dict[str, Any] = {
         "points": {"a": [0, 0], "b": [girth / 2, 0], "c": [girth / 2, 60], "d": [0, 60]},
         "edges": [{"name": name, "from": p, "to": q} for name, p, q in (("low", "a", "b"), ("right", "b", "c"), ("top", "c", "d"), ("left", "d", "a"))],
@@ -74,12 +81,12 @@ def band(
             joints.append({"name": f"{name}_joined", "a": [f"{name}.low.a", f"{name}.low.b"], "b": [f"low_{name}.top.d", f"low_{name}.top.c"]})
         seams += joints if joined else []
         sewn = len(seams)
-    panels = {name: {**panel, "placement": placement} for name, placement in placed.items()}
+    panels = {name: {**panel, "placement": placement} for name, placement in placed.items()} | more.pop("panels", {})
     zips: list[dict[str, Any]] = []
     if closed is not None:
         first = seams.pop(0)
         zips.append({"name": first["name"], "zip": {"a": first["a"], "b": first["b"]}, "closed": closed})
-    spec = {"name": "band", "fabric": fabric, "mannequin": "x", "panels": panels, "seams": seams[:sewn], "closures": zips}
+    spec = {"name": "band", "fabric": fabric, "mannequin": "x", "panels": panels, "seams": [*seams[:sewn], *more.pop("joints", [])], "closures": zips, **more}
     pattern = draft(parse_spec(spec, "band.yaml"), {})
     table, material_of = lay_out_sheets(pattern, {fabric: load_fabric(fabric_path(fabric)).sheet})
     cloth = build_cloth(pattern, material_of, table, 15.0)
@@ -106,6 +113,24 @@ def test_no_closure_is_missing() -> None:
     assert [finding.code for finding in band(760.0, "wool-suiting", sewn=1)] == ["holds-nowhere"]  # open at one side
     assert band(760.0, "interlock-knit") == []  # stretches
     assert [finding.code for finding in band(760.0, "interlock-knit", grain=90.0)] == ["closure-missing"]  # but not along its wales
+
+
+def test_a_part_that_holds_nowhere_is_found_beside_one_that_holds() -> None:
+    pocket = {
+        "points": {"a": [0, 0], "b": [120, 0], "c": [120, 140], "d": [0, 140]},
+        "edges": [{"name": p, "from": p, "to": q} for p, q in zip("abcd", "bcda")],
+        "placement": {"transform": {"translation": [0, 900, 300]}},
+    }
+    flap = pocket | {"placement": {"transform": {"translation": [0, 1045, 300]}}}
+    seam = {"name": "flap", "a": ["pocket.c.c", "pocket.c.d"], "b": ["flap.a.b", "flap.a.a"]}
+    (finding,) = band(905.0, "wool-suiting", panels={"pocket": pocket})
+    assert (finding.severity, finding.code, finding.key) == ("warning", "holds-nowhere", "panels.pocket")
+    assert finding.message.startswith("pocket: not sewn to the rest")
+    pinned = {"name": "peg", "at": "pocket.a", "point": [0, 900, 300]}
+    assert band(905.0, "wool-suiting", panels={"pocket": pocket}, pins=[pinned]) == []
+    (both,) = band(905.0, "wool-suiting", panels={"pocket": pocket, "flap": flap}, joints=[seam])
+    assert both.message.startswith("pocket, flap: ")
+    assert band(905.0, "wool-suiting", panels={"pocket": pocket, "flap": flap}, joints=[seam], pins=[pinned]) == []
 
 
 @pytest.mark.parametrize("closed", [1.0, 0.5])

@@ -13,6 +13,8 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from garmentcad.analysis.passing import STEP_M, girths_along, hand_girth_mm, head_girth_mm
 from garmentcad.analysis.section import Chain, Plane, cut
@@ -80,18 +82,38 @@ def check_wearing(
     sewn = [seam.name for seam in pattern.seams if seam.closed is None]
     worn = _sewn(cloth, positions, seams)
     put_on = worn if sewn == seams else _sewn(cloth, positions, sewn)
-    around = False
+    held = np.zeros(len(pattern.panels), dtype=bool)
     for part in _parts(body):
         slack = _SLACK_M + _open_along(part.axis, positions, worn[0].vertex_particle)
-        rings = _rings(pattern, *worn, part)
-        around = around or bool(rings)
+        rings, ringed = _rings(pattern, *worn, part)
+        held |= ringed
         yield from _check_ease(rings, part, slack, materials, file)
-        yield from _check_passing(rings if put_on is worn else _rings(pattern, *put_on, part), part, materials, file)
-    if body.cylinders and not (around or pattern.buttons or pattern.pins or pattern.bands):
+        yield from _check_passing(rings if put_on is worn else _rings(pattern, *put_on, part)[0], part, materials, file)
+    if body.cylinders:
+        yield from _check_held(pattern, worn[0], held, file)
+
+
+def _check_held(pattern: Pattern, sewn: Cloth, ringed: np.ndarray, file: str | None) -> Iterator[Finding]:
+    """What is sewn together and held by nothing. ringed (panels,): whether a ring goes over the panel."""
+    points = [pin.at for pin in pattern.pins] + [end for button in pattern.buttons for end in (button.button, button.buttonhole)]
+    holding = {point.panel for point in points} | {line[0].panel for band in pattern.bands for line in band.lines}
+    held = ringed | np.isin(sewn.panel_names, sorted(holding))
+    lies_on = coo_array((np.ones(len(sewn.vertex_panel)), (sewn.vertex_panel, sewn.vertex_particle))).tocsr()
+    _, together = connected_components(lies_on @ lies_on.T, directed=False)
+    loose = ~np.isin(together, together[held])
+    if loose.all():
         yield Finding(
             "warning", "holds-nowhere", file, "panels",
             "sewn as it is placed, no closed ring of cloth goes around the trunk, the neck, an arm or a leg, and there is no button, pin or band: it may fall",
             "Place the panels around the body (the back of a garment at the angle 180), sew what is open, or hold it by buttons, pins or a belt.",
+        )  # fmt: skip
+        return
+    for part in np.unique(together[loose]):
+        names = [sewn.panel_names[panel] for panel in np.flatnonzero(together == part)]
+        yield Finding(
+            "warning", "holds-nowhere", file, f"panels.{names[0]}",
+            f"{', '.join(names)}: not sewn to the rest of the garment, and no ring of cloth around the body, no button, pin or band holds it: it may fall",
+            "Sew it to the rest, or hold it by buttons or pins.",
         )  # fmt: skip
 
 
@@ -145,14 +167,15 @@ def _parts(body: Mannequin) -> tuple[_Part, ...]:
     return tuple(found)
 
 
-def _rings(pattern: Pattern, cloth: Cloth, positions: np.ndarray, part: _Part) -> list[Ring]:
-    """The shortest ring at each level where there is one, and the openings of the garment around the part."""
+def _rings(pattern: Pattern, cloth: Cloth, positions: np.ndarray, part: _Part) -> tuple[list[Ring], np.ndarray]:
+    """The shortest ring at each level where there is one, and the openings of the garment around the part; and over which panels (N,) bool any ring goes."""
     flat, particle_triangles, found = cloth.vertex_uv_mm[cloth.triangles], cloth.particle_triangles, []
     grain = np.radians([pattern.panels[name].grain_deg for name in cloth.panel_names])
     owner = cloth.vertex_panel[cloth.triangles[:, 0]]
     warp = np.stack([-np.sin(grain), np.cos(grain)], axis=1)[owner]
     rules = [pattern.panels[name].placement for name in cloth.panel_names]
     limb = part.name.startswith(("arm", "leg"))
+    ringed = np.zeros(len(cloth.panel_names), dtype=bool)
     wrapped = np.array([isinstance(rule, Wrap) and rule.part == part.name for rule in rules])[owner]
 
     def ring(level: float, steps: np.ndarray, triangles: np.ndarray) -> Ring:
@@ -173,14 +196,17 @@ def _rings(pattern: Pattern, cloth: Cloth, positions: np.ndarray, part: _Part) -
     for level in part.levels.tolist():
         plane = Plane(part.axis, level)
         chains = [chain for chain in cut(positions, particle_triangles, plane) if around(chain, plane)]
+        for chain in chains:
+            ringed[owner[chain.triangles]] = True
         if chains:
             found.append(min((ring(level, chain.steps_on(flat), chain.triangles) for chain in chains), key=lambda found: found.length_mm))
     for triangles, corners in openings(particle_triangles):
         level = float((positions[particle_triangles[triangles, corners]] @ part.axis).mean())
         seen = Chain(positions[particle_triangles[triangles, corners]], triangles, True, corners, corners, corners, corners)
         if part.levels[0] <= level <= part.levels[-1] and around(seen, Plane(part.axis, level)):
+            ringed[owner[triangles]] = True
             found.append(ring(level, flat[triangles, (corners + 1) % 3] - flat[triangles, corners], triangles))
-    return found
+    return found, ringed
 
 
 def openings(triangles: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
