@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import ast
 import copy
+import re
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -131,6 +134,10 @@ FAULTS: list[tuple[str, Callable[[dict[str, Any]], Any], str, str, str, str]] = 
      "warning", "fold-at-edge", "panels.front.folds.f", "300 of 300 mm"),
     ("pleat too narrow", lambda d: d["panels"]["front"].update(pleats=[{"name": "k", "edge": "waist", "at": {"mm": 100, "from": "c"}, "depth": 8}]),
      "warning", "folds-close", "panels.front.folds.k_1_fold", "fold k_1_under is 8.0 mm away"),
+    ("two folds on one line", lambda d: d["panels"]["front"].update(
+        internal_lines={"x": [[100, 50], [100, 350]], "y": [[100, 200], [100, 390]]},
+        folds=[{"name": "f", "line": "x", "angle": 90}, {"name": "g", "line": "y", "angle": -90}]),
+     "warning", "folds-close", "panels.front.folds.f", "fold g runs along the same line for 15"),
     ("8.5 mm too short", lambda d: (long_back(d, 8.5), d.update(seams=d["seams"][:1])),
      "error", "seam-length", "seams.one", "side b 408.5 mm long; with the intended ease of 0 % side a should be 408.5 mm, it is 8.5 mm too short (8.2 mm"),
     ("8 mm too short", lambda d: (long_back(d, 8), d.update(seams=d["seams"][:1])),
@@ -187,6 +194,9 @@ CLEAN: list[tuple[str, Callable[[dict[str, Any]], Any]]] = [
     ("a strip drawn aslant, grain along it", lambda d: d["panels"].update(
         strip=square(points={"a": [0, 0], "b": [400, 28], "c": [397, 70.9], "d": [-3, 42.9]}, notches=[], grain=4.0))),
     ("twins cut alike", lambda d: d["panels"].update(left=slanted(grain=20), right=slanted(-1, grain=-20))),
+    ("folds that cross, and that meet at their ends", lambda d: d["panels"]["front"].update(
+        internal_lines={"x": [[100, 50], [100, 350]], "y": [[50, 200], [200, 220]], "z": [[100, 50], [150, 350]]},
+        folds=[{"name": name, "line": name, "angle": 90} for name in "xyz"])),
     ("a dart of equal legs", lambda d: drawn_dart(d, 150)),
     ("caps eased in", lambda d: sleeved(d, 520)),
     ("a gathered cap", lambda d: sleeved(d, 750)),
@@ -251,3 +261,17 @@ def test_refusals_are_findings() -> None:
     finding = refusal(errors[0])
     assert (finding.severity, finding.file, finding.key) == ("error", "tube.yaml", "panels.front.edges.2.from")
     assert str(finding).startswith("error: tube.yaml: panels.front.edges.2.from: the outline is open")
+
+
+def test_every_code_is_on_the_page() -> None:
+    """The codes of docs/doctor.md are those of the findings in garmentcad/check, no more and no fewer."""
+    root = Path(__file__).parents[1]
+    emitted = set()
+    for file in (root / "garmentcad" / "check").glob("*.py"):
+        for call in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and call.func.id == "Finding":
+                codes = call.args[1]
+                emitted |= {part.value for part in ((codes.body, codes.orelse) if isinstance(codes, ast.IfExp) else (codes,)) if isinstance(part, ast.Constant)}
+    table = [line.split("|")[1] for line in (root / "docs" / "doctor.md").read_text(encoding="utf-8").splitlines() if line.startswith("| `")]
+    assert emitted == {code for cell in table for code in re.findall("`([a-z-]+)`", cell)}
+    assert len(emitted) > 30

@@ -10,11 +10,12 @@ from garmentcad.check.finding import Finding
 from garmentcad.pattern.pattern import Panel
 
 _OUTSIDE_MM = 0.5
+_SAME_LINE_MM = 0.5
 _FOLDS_APART = 1.0  # grids; between nearer ones there is no lattice
 
 
 def check_folds(panel: Panel, polygon: shapely.Polygon, grid_mm: float, file: str | None, key: str) -> Iterator[Finding]:
-    """Folds outside the panel (polygon: its outline), along its edge, and folds that are too near to each other for the lattice."""
+    """Folds outside the panel (polygon: its outline), along its edge, too near to each other for the lattice, and on one line."""
     lines = {fold.name: shapely.LineString(fold.points_mm) for fold in panel.folds}
     for name, line in lines.items():
         place = f"{key}.folds.{name}"
@@ -41,4 +42,11 @@ def check_folds(panel: Panel, polygon: shapely.Polygon, grid_mm: float, file: st
                     "warning", "folds-close", file, f"{key}.folds.{name}",
                     f"fold {other} is {distance:.1f} mm away, less than a grid of {grid_mm:g} mm",
                     f"Use a grid of at most {distance / _FOLDS_APART:.1f} mm, or move them apart.",
+                )  # fmt: skip
+                continue
+            along = lines[name].intersection(lines[other].buffer(_SAME_LINE_MM)).length
+            if along > grid_mm:  # more than where lines cross or run into each other
+                yield Finding(
+                    "warning", "folds-close", file, f"{key}.folds.{name}", f"fold {other} runs along the same line for {along:.0f} mm",
+                    "The cloth folds there once: leave one of them out, or move them apart.",
                 )  # fmt: skip
