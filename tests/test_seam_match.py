@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from drawn import rectangle
 
+from garmentcad.check.seam import check_seams
 from garmentcad.cloth.seam_match import match_seam
 from garmentcad.errors import SpecError
+from garmentcad.pattern.draft import draft
+from garmentcad.pattern.parse import parse_spec
 from garmentcad.pattern.pattern import EdgeUse, Seam
+from garmentcad.pattern.runs import side_notches
 
 RIGHT, LEFT, BOTTOM, TOP = 1, 3, 0, 2
 
@@ -90,3 +96,40 @@ def test_faults_are_named() -> None:
     double = {"front": rectangle(200, 200, notches={RIGHT: (("one", 0.25), ("one", 0.5))})}
     with pytest.raises(SpecError, match="two notches named 'one'"):
         match_seam(seam([("front", RIGHT, False)], [("front", LEFT, True)]), double, 10.0)
+
+
+def half(width: float, height: float, seamed: str) -> dict[str, Any]:
+    """Right half of a panel with its edge `seamed` (top or low) notched at centre front and 60 mm from there, mirrored over its left edge."""
+    points = {"a": [0, 0], "b": [width, 0], "c": [width, height], "d": [0, height]}
+    names = [("low", "a", "b"), ("side", "b", "c"), ("top", "c", "d"), ("cf", "d", "a")]
+    middle = "d" if seamed == "top" else "a"
+    return {
+        "points": points, "edges": [{"name": name, "from": start, "to": end} for name, start, end in names], "mirror": "cf",
+        "notches": [{"edge": seamed, "at": {"mm": mm, "from": middle}, "name": name} for name, mm in (("centre", 0), ("n", 60))],
+        "placement": {"transform": {"translation": [0, 0, 0]}},
+    }  # fmt: skip
+
+
+def test_a_notch_and_its_image_meet_their_like_over_the_fold() -> None:
+    """A half front of 100 mm on a half band of 105 mm, both unfolded, and on a whole one that has the notches by name."""
+    whole = half(105, 40, "low") | {"mirror": None}
+    whole["points"] = {"a": [-105, 0], "b": [105, 0], "c": [105, 40], "d": [-105, 40]}
+    whole["notches"] = [{"edge": "low", "at": {"mm": mm, "from": "a"}, "name": name} for name, mm in (("n_m", 45), ("centre", 105), ("n", 165))]
+    for band, run in ((half(105, 40, "low"), ["band.low_m.b_m", "band.low.b"]), (whole, ["band.low.a", "band.low.b"])):
+        seams = [{"name": "waist", "a": ["front.top_m.c_m", "front.top.c"], "b": run, "ease": 100 / 105 - 1}]
+        spec = parse_spec({"name": "x", "fabric": "wool", "mannequin": "m", "panels": {"front": half(100, 300, "top"), "band": band}, "seams": seams})
+        pattern = draft(spec, {})
+        assert side_notches(pattern.panels, pattern.seams[0].a) == [("n_m", pytest.approx(40)), ("centre", pytest.approx(100)), ("n", pytest.approx(160))]
+        assert side_notches(pattern.panels, pattern.seams[0].b) == [("n_m", pytest.approx(45)), ("centre", pytest.approx(105)), ("n", pytest.approx(165))]
+        assert [finding.code for finding in check_seams(pattern, None)] == []
+        match = match_seam(pattern.seams[0], pattern.panels, 1000.0)
+        assert match.count == 5
+        assert np.concatenate([1.0 - match.fractions_a[0][::-1], 1.0 - match.fractions_a[1][::-1]]) == pytest.approx([0.0, 0.4, 1.0, 0.0, 0.6, 1.0])
+
+
+def test_the_image_alone_keeps_the_name() -> None:
+    panel = half(100, 300, "top")
+    panel["notches"].append({"edge": "side", "at": 0.5, "name": "hip"})
+    seams = [{"name": "side", "a": ["p.side_m.b_m", "p.side_m.c_m"], "b": ["q.side.b", "q.side.c"]}]
+    pattern = draft(parse_spec({"name": "x", "fabric": "wool", "mannequin": "m", "panels": {"p": panel, "q": panel}, "seams": seams}), {})
+    assert side_notches(pattern.panels, pattern.seams[0].a) == side_notches(pattern.panels, pattern.seams[0].b) == [("hip", 150.0)]

@@ -75,7 +75,7 @@ def _check_dart(pattern: Pattern, seam: Seam, file: str | None) -> Iterator[Find
 
 def _check_notches(pattern: Pattern, seam: Seam, file: str | None) -> Iterator[Finding]:
     key = f"seams.{seam.name}"
-    sides = (side_notches(pattern, seam.a), side_notches(pattern, seam.b))
+    sides = (side_notches(pattern.panels, seam.a), side_notches(pattern.panels, seam.b))
     for side, notches in zip("ab", sides, strict=True):
         names = [name for name, _ in notches]
         for name in sorted({name for name in names if names.count(name) > 1}):

@@ -12,6 +12,7 @@ import numpy as np
 
 from garmentcad.errors import SpecError
 from garmentcad.pattern.pattern import EdgeUse, Panel, Seam
+from garmentcad.pattern.runs import side_notches
 
 _MERGE_MM = 1.0  # marks on the two sides that meet this closely are sewn to each other
 
@@ -102,16 +103,15 @@ def _side(seam: Seam, uses: tuple[EdgeUse, ...], panels: dict[str, Panel]) -> _S
     key = f"seams.{seam.name}"
     if not uses:
         raise SpecError("a side has no edges", key=key)
-    joints, notches = [0.0], {}
+    joints, notches = [0.0], dict[str, float]()
     for use in uses:
         if use.panel not in panels or not 0 <= use.edge < len(panels[use.panel].edges):
             raise SpecError(f"no edge {use.edge} of panel {use.panel!r}", key=key)
-        edge = panels[use.panel].edges[use.edge]
-        for name, fraction in edge.notches:
-            if name in notches:
-                raise SpecError(f"two notches named {name!r} on one side; a seam pairs notches by name", key=key)
-            notches[name] = joints[-1] + (1.0 - fraction if use.reverse else fraction) * edge.curve.length
-        joints.append(joints[-1] + edge.curve.length)
+        joints.append(joints[-1] + panels[use.panel].edges[use.edge].curve.length)
+    for name, place in side_notches(panels, uses):
+        if name in notches:
+            raise SpecError(f"two notches named {name!r} on one side; a seam pairs notches by name", key=key)
+        notches[name] = place
     return _Side(np.array(joints), notches)
 
 

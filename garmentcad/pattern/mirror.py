@@ -40,7 +40,7 @@ def unfold(half: Panel, mirror: str, key: str) -> Panel:
 
     drawn = [*half.edges[where + 1 :], *half.edges[:where]]
     image = _mirrored(half, point, direction, renamed, SUFFIX)
-    turned = [mirror_edge(edge, point, direction, renamed, SUFFIX) for edge in reversed(drawn)]
+    turned = [replace(mirror_edge(edge, point, direction, renamed, SUFFIX), image=True) for edge in reversed(drawn)]
     on_fold = [np.allclose(other.points_mm, line.points_mm, atol=_ON_FOLD_MM) for other, line in zip(image.folds, half.folds)]
     check_images(replace(half, edges=tuple(drawn)), (fold.start, fold.end), [line.name for line, own in zip(half.folds, on_fold) if own], key)
     return replace(

@@ -14,7 +14,7 @@ from garmentcad.geometry.portable import product
 class Edge:
     """One stretch of an outline between two named points. `piece` counts the parts into which darts cut an edge (0 for an uncut one).
 
-    notches: arc-length fractions of this piece; dart: name of the dart whose leg this is, or None.
+    notches: arc-length fractions of this piece; dart: name of the dart whose leg this is, or None; image: whether unfolding the panel made it.
     """
 
     name: str
@@ -26,6 +26,7 @@ class Edge:
     seam_allowance_mm: float = 10.0
     notches: tuple[tuple[str, float], ...] = ()
     dart: str | None = None
+    image: bool = False
 
 
 @dataclass(frozen=True)

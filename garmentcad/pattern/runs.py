@@ -5,9 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from garmentcad.errors import SpecError, did_you_mean
+from garmentcad.pattern.names import SUFFIX
 from garmentcad.pattern.pattern import EdgeUse, Panel, Pattern, Seam
 from garmentcad.pattern.scope import Scope
 from garmentcad.pattern.spec import SeamSpec
+
+_SAME_MM = 0.01
 
 
 def draft_seam(spec: SeamSpec, panels: Mapping[str, Panel], scope: Scope, key: str) -> Seam:
@@ -85,13 +88,20 @@ def side_length(pattern: Pattern, side: Sequence[EdgeUse]) -> float:
     return sum(pattern.panels[use.panel].edges[use.edge].curve.length for use in side)
 
 
-def side_notches(pattern: Pattern, side: Sequence[EdgeUse]) -> list[tuple[str, float]]:
-    """Notches along a side in sewing order: name and distance from its first point, mm."""
-    found, done = [], 0.0
+def side_notches(panels: Mapping[str, Panel], side: Sequence[EdgeUse]) -> list[tuple[str, float]]:
+    """Notches along a side in sewing order: the name by which each meets one of the other side, and its distance from the first point, mm.
+
+    Notches of one name at one place are one, as on the fold of an unfolded panel. Where a side goes over a drawn notch and its image, the image has the suffix.
+    """
+    marks, done = [], 0.0
     for use in side:
-        edge = pattern.panels[use.panel].edges[use.edge]
+        edge = panels[use.panel].edges[use.edge]
         length = edge.curve.length
-        notches = [(name, 1.0 - at) for name, at in reversed(edge.notches)] if use.reverse else list(edge.notches)
-        found += [(name, done + at * length) for name, at in notches]
+        marks += [(edge.image, use.panel, name, done + (1.0 - at if use.reverse else at) * length) for name, at in edge.notches]
         done += length
-    return found
+    drawn = {(panel, name) for image, panel, name, _ in marks if not image}
+    found: list[tuple[str, float]] = []
+    for image, panel, name, place in sorted(marks, key=lambda mark: mark[0]):  # what is drawn comes first
+        if not any(name == other and abs(place - there) < _SAME_MM for other, there in found):
+            found.append((name + SUFFIX if image and (panel, name) in drawn else name, place))
+    return sorted(found, key=lambda notch: notch[1])
