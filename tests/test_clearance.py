@@ -10,6 +10,7 @@ import pytest
 from drawn import materials
 from test_check_placement import body
 
+import garmentcad.geometry.intersection as intersection
 from garmentcad.analysis.clearance import STEP_M, clearing_moves, move_panels
 from garmentcad.analysis.penetration import signed_distances
 from garmentcad.cloth.lattice import build_cloth
@@ -100,3 +101,17 @@ def test_what_a_rule_wrapped_parts_upward_and_downward_and_what_is_worn_stays() 
     assert len(crossing_triangle_pairs(move_panels(cloth, positions, moves), cloth.triangles)) == 0
     (move,) = clearing_moves(pattern, cloth, positions, body(), worn=("below",))
     assert move.panel == "above"
+
+
+def test_panels_in_one_place_are_judged_up_to_their_first_crossing(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every verdict on coplanar panels takes exact arithmetic, and there are thousands of near triangles in each of some 25 rounds."""
+    pattern, cloth, positions = started(front=([-100, 500, 200], [0, 0, 0]), back=([-100, 500, 200], [0, 0, 0]))
+    wrapped = Wrap("post", (0.0, 0.0), 0.0, 500.0, 20.0, 1.0)
+    pattern = replace(pattern, panels={name: replace(panel, placement=wrapped) for name, panel in pattern.panels.items()})
+    exactly, judged = intersection._cross_exactly, []
+    monkeypatch.setattr(intersection, "_cross_exactly", lambda *of: judged.append(of) or exactly(*of))
+    moves = clearing_moves(pattern, cloth, positions, body())
+    assert sorted(move.by_m[1] for move in moves) == pytest.approx([-0.104, 0.104], abs=STEP_M)
+    assert 10 < len(judged) < 100
+    monkeypatch.undo()
+    assert len(crossing_triangle_pairs(move_panels(cloth, positions, moves), cloth.triangles)) == 0
