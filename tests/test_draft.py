@@ -340,7 +340,7 @@ def test_names_that_darts_and_pleats_make_are_their_own() -> None:
 
     folded = {"internal_lines": {"line": [[50, 0], [50, 500]]}, "folds": [{"name": "k_2_under", "line": "line", "angle": 90}]}
     assert named_twice(lambda panel: panel["darts"][0].update(name="k_1")) == (
-        "panels.p.pleats.0.name", "pleat 'k_1' makes a seam 'k_1', and that of dart 'k_1' of that name is there; rename one",
+        "panels.p.pleats.0.name", "pleat 'k_1' makes a seam 'k_1', and that of dart 'k_1' is called so, too; rename one",
     )  # fmt: skip
     for change, place, made in (
         (renamed("d_leg_a"), "darts.0", "dart 'd' makes an edge 'd_leg_a', and an edge"),
@@ -349,7 +349,7 @@ def test_names_that_darts_and_pleats_make_are_their_own() -> None:
         (lambda panel: panel["points"].update(k_1_fold=[5, 5]), "pleats.0", "pleat 'k_1' makes a point 'k_1_fold', and a point"),
         (lambda panel: panel.update(drill_holes={"d_apex": [5, 5]}), "darts.0", "dart 'd' makes a point 'd_apex', and a drill hole"),
     ):
-        assert named_twice(change) == (f"panels.p.{place}.name", f"{made} of that name is there; rename one")
+        assert named_twice(change) == (f"panels.p.{place}.name", f"{made} is called so, too; rename one")
     key, message = named_twice(lambda panel: panel.update(drill_holes={"c": [20, 100]}))
     assert (key, message.split(";")[0]) == ("panels.p.drill_holes.c", "a point is called 'c' too")
 

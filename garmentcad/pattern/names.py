@@ -35,7 +35,7 @@ def check_made(spec: PanelSpec, panel: Panel, key: str) -> None:
         for kind in made:
             if kind in taken:
                 what = "an edge" if kind[0] == "edge" else f"a {kind[0]}"
-                raise SpecError(f"{maker} {name!r} makes {what} {kind[1]!r}, and {taken[kind]} of that name is there; rename one", key=where)
+                raise SpecError(f"{maker} {name!r} makes {what} {kind[1]!r}, and {taken[kind]} is called so, too; rename one", key=where)
             taken[kind] = f"that of {maker} {name!r}"
 
 
