@@ -11,11 +11,14 @@ import pytest
 from hand_made import cylinder_body, rectangles, tube
 
 from garmentcad.cloth.state import State
-from garmentcad.errors import InputError
+from garmentcad.errors import InputError, TangledError
 from garmentcad.export import picture
 from garmentcad.export.cloth_file import read_cloth, write_cloth
+from garmentcad.export.drape import finish
 from garmentcad.export.result_folder import Result, clear_folder, read_result_folder, write_result_folder
 from garmentcad.io.npz_file import read_npz
+from garmentcad.simulation import run
+from garmentcad.simulation.job import make_job
 
 
 def result() -> Result:
@@ -113,6 +116,31 @@ def test_a_folder_that_is_used_again_is_that_of_no_earlier_drape(tmp_path: Path)
     assert {path.name for path in tmp_path.rglob("*") if path.is_file()} == {"mine.txt", "cloth.npz", "maps.npz", "state.npz"}
     with pytest.raises(InputError, match=r"--out.*cannot be the folder of a result"):
         clear_folder(tmp_path / "mine.txt", movement=True)
+
+
+@pytest.mark.parametrize("resume", [True, False])
+def test_a_drape_that_is_refused_leaves_the_older_result(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, resume: bool) -> None:
+    """No checkpoint to resume from; panels that cross."""
+
+    def tangled(*_):
+        raise TangledError("panels start crossing each other")
+
+    monkeypatch.setattr(run, "refuse_tangled", tangled)
+    for name in ("report.json", "garment.obj"):
+        (tmp_path / name).write_text("older")
+    with pytest.raises(InputError, match="no checkpoint" if resume else "crossing"):
+        finish(make_job("straight-skirt", grid_mm=30.0), lambda progress: None, tmp_path, resume)
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {"report.json": "older", "garment.obj": "older"}
+
+
+def test_a_drape_that_has_begun_is_no_longer_the_older_result(tmp_path: Path) -> None:
+    def stop(_):
+        raise KeyboardInterrupt
+
+    (tmp_path / "report.json").write_text("older")
+    with pytest.raises(KeyboardInterrupt):
+        finish(make_job("straight-skirt", grid_mm=30.0), stop, tmp_path)
+    assert not (tmp_path / "report.json").exists()
 
 
 def test_packed_arrays_with_a_wrong_byte_are_refused(tmp_path: Path) -> None:

@@ -43,13 +43,11 @@ def drape(
 def finish(job: Job, look: Callable[[Progress], None], folder: Path | None, resume: bool = False) -> tuple[Result, WrittenFolder | None]:
     """Run a job to its end, and through its movement where it came to rest, and write what comes out.
 
-    The checkpoint in `folder` is kept while the run lasts and removed when the folder is whole. A movement that was broken off begins anew.
+    An older result in `folder` stays until nothing can refuse the job any more. The checkpoint is kept while the run lasts and removed when the folder is
+    whole. A movement that was broken off begins anew.
     """
-    checkpoint = None
-    if folder is not None:
-        checkpoint = folder / CHECKPOINT
-        clear_folder(folder, movement=True)
-    outcome = run(job, look, checkpoint, resume)
+    checkpoint = None if folder is None else folder / CHECKPOINT
+    outcome = run(job, look, checkpoint, resume, lambda: None if folder is None else clear_folder(folder, movement=True))
     made, measures = record(outcome)
     report = build_report(made, measures)
     files: list[Path] = []

@@ -116,14 +116,15 @@ def _area_mm2(panel: Panel) -> float:
     return float(Polygon(np.vstack([edge.curve.polyline(1.0)[:-1] for edge in panel.edges])).area)
 
 
-def run(job: Job, look: Callable[[Progress], None], checkpoint: Path | None = None, resume: bool = False) -> Outcome:
-    """Drape. `look` is told of the progress about every 200 steps. checkpoint: file kept up to date; resume: go on from it.
+def run(job: Job, look: Callable[[Progress], None], checkpoint: Path | None = None, resume: bool = False, begin: Callable[[], None] = lambda: None) -> Outcome:
+    """Drape. `look` is told of the progress about every 200 steps. checkpoint: file kept up to date; resume: go on from it; begin: called once, when job,
+    start and checkpoint are accepted, before anything is written.
 
     InputError for a job that cannot start, Interrupted (after saving) on Ctrl-C.
     """
     state = load_state(checkpoint, job.identity) if resume and checkpoint is not None else None
     with _stop_signal() as stopped:
-        keep = _Keeper(job, checkpoint, look, stopped)
+        keep = _Keeper(job, checkpoint, look, stopped, begin)
         made = _Run(job, keep, state)
         try:
             return made.drape((job.grid_mm,) if state is not None and UNREFINED in state.run else grids_of(job))
@@ -199,7 +200,9 @@ class _Run:
         return hardware_rows(self.job.pattern, cloth, self.materials, self.job.mannequin)
 
     def _begin(self) -> None:
-        self.setup = self.setup or time.perf_counter() - self.began
+        if not self.setup:
+            self.setup = time.perf_counter() - self.began
+            self.keep.begin()
         self.keep.state = self.state
 
     def _add_up(self, seconds: dict[str, float]) -> None:
@@ -385,8 +388,8 @@ def _with_worn(positions: np.ndarray, cloth: Cloth, worn: dict[str, np.ndarray])
 class _Keeper:
     """Passes progress on, keeps the checkpoint fresh, and stops the run where the user asked for it: between two looks, where the State is whole."""
 
-    def __init__(self, job: Job, path: Path | None, look: Callable[[Progress], None], stopped: list[int]) -> None:
-        self.watch = look
+    def __init__(self, job: Job, path: Path | None, look: Callable[[Progress], None], stopped: list[int], begin: Callable[[], None]) -> None:
+        self.watch, self.begin = look, begin
         self._job, self._path, self._stopped = job, path, stopped
         self._saved = -math.inf  # the first look saves: whatever stops the run later, it can be resumed
         self.state: State | None = None
