@@ -110,10 +110,16 @@ def test_a_folder_that_is_used_again_is_that_of_no_earlier_drape(tmp_path: Path)
     (tmp_path / "movement").mkdir()
     (tmp_path / "movement" / "frames.npz").write_bytes(b"x")
     (tmp_path / "mine.txt").write_text("kept")
+    (tmp_path / ".mine.txt.12.tmp").write_text("kept")
+    left = [tmp_path / name for name in (".report.json.4711.tmp", ".state.npz.4711.tmp", ".checkpoint.npz.12.tmp", "movement/.frames.npz.4711.tmp")]
+    for path in left:
+        path.write_bytes(b"half")
     clear_folder(tmp_path, movement=False)
+    assert not any(path.exists() for path in left)
+    assert (tmp_path / ".mine.txt.12.tmp").exists()
     assert (tmp_path / "movement" / "frames.npz").exists()
     clear_folder(tmp_path, movement=True)
-    assert {path.name for path in tmp_path.rglob("*") if path.is_file()} == {"mine.txt", "cloth.npz", "maps.npz", "state.npz"}
+    assert {path.name for path in tmp_path.rglob("*") if path.is_file()} == {"mine.txt", ".mine.txt.12.tmp", "cloth.npz", "maps.npz", "state.npz"}
     with pytest.raises(InputError, match=r"--out.*cannot be the folder of a result"):
         clear_folder(tmp_path / "mine.txt", movement=True)
 

@@ -22,13 +22,15 @@ from garmentcad.export.glb import write_garment_glb
 from garmentcad.export.obj import read_mannequin_obj, write_garment_obj, write_mannequin_obj
 from garmentcad.export.picture import ViewMissing, render_pictures
 from garmentcad.export.report import write_report
-from garmentcad.io.atomic import write_atomic
+from garmentcad.io.atomic import remove_unfinished, write_atomic
 from garmentcad.io.npz_file import read_npz
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.simulation.checkpoint import load_state, save_state
 
 PICTURES = ("front", "back")
+CHECKPOINT = "checkpoint.npz"
 _SOLID = ("garment.obj", "garment.glb", "mannequin.obj")
+_ARRAYS = ("state.npz", "cloth.npz", "maps.npz", CHECKPOINT)
 _MOVEMENT = ("movement/frames.npz", "movement/frames.png")
 _MOST_MAPS = 64  # what a folder of another version may have
 
@@ -55,11 +57,14 @@ class WrittenFolder:
 
 def clear_folder(folder: Path, movement: bool) -> None:
     """Make the folder, and take away what makes it that of an earlier drape: a run that is broken off leaves no old report beside its checkpoint. FileError
-    where that cannot be done. movement: whether the frames of a movement go, too."""
+    where that cannot be done. movement: whether the frames of a movement go, too. What a writer that was killed left half written goes in any case."""
+    drawn = ("report.json", *_SOLID, *(f"{view}.png" for view in PICTURES))
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        for name in ("report.json", *_SOLID, *(f"{view}.png" for view in PICTURES), *(_MOVEMENT if movement else ())):
+        for name in (*drawn, *(_MOVEMENT if movement else ())):
             (folder / name).unlink(missing_ok=True)
+        for name in (*drawn, *_ARRAYS, *_MOVEMENT):
+            remove_unfinished(folder / name)
     except OSError as error:
         raise FileError(f"cannot be the folder of a result: {error.strerror or error}", file=str(folder), key="--out") from error
 

@@ -18,7 +18,7 @@ def write_atomic(path: str | Path, content: bytes | str | Callable[[BinaryIO], N
     stood at `path` stays as it was and nothing is left beside it. Missing folders are made. Raises FileError where the folder cannot be written.
     """
     path = Path(path)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    temporary = _temporary(path, str(os.getpid()))
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with open(temporary, "wb") as file:
@@ -39,6 +39,17 @@ def write_atomic(path: str | Path, content: bytes | str | Callable[[BinaryIO], N
         raise
     _sync_folder(path.parent)
     return path
+
+
+def remove_unfinished(path: str | Path) -> None:
+    """Remove what writers of `path` left under temporary names because they were killed. OSError where that cannot be done."""
+    path = Path(path)
+    for left in path.parent.glob(_temporary(path, "*").name):
+        left.unlink(missing_ok=True)
+
+
+def _temporary(path: Path, writer: str) -> Path:
+    return path.with_name(f".{path.name}.{writer}.tmp")
 
 
 def _sync_folder(folder: Path) -> None:
