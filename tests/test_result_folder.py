@@ -12,13 +12,15 @@ from hand_made import cylinder_body, rectangles, tube
 
 from garmentcad.cloth.state import State
 from garmentcad.errors import InputError, TangledError
-from garmentcad.export import picture
+from garmentcad.export import movement, picture
 from garmentcad.export.cloth_file import read_cloth, write_cloth
 from garmentcad.export.drape import finish
 from garmentcad.export.result_folder import Result, clear_folder, read_result_folder, write_result_folder
+from garmentcad.export.side_by_side import Exhibit
 from garmentcad.io.npz_file import read_npz
 from garmentcad.simulation import run
 from garmentcad.simulation.job import make_job
+from garmentcad.simulation.movement import Movement
 
 
 def result() -> Result:
@@ -87,6 +89,23 @@ def test_a_diverged_state_leaves_report_and_state(tmp_path: Path) -> None:
     written = write_result_folder(tmp_path, broken, {})
     assert not (tmp_path / "garment.obj").exists()
     assert "not finite" in written.notes[0]
+
+
+def test_a_movement_that_diverges_is_judged_up_to_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    drawn: list[Exhibit] = []
+    monkeypatch.setattr(movement, "edge_roles", lambda pattern: {"waist": ["front.waist"]})
+    monkeypatch.setattr(movement, "draw_side_by_side", lambda exhibits, *_: drawn.extend(exhibits))
+    monkeypatch.setattr(movement, "write_picture", lambda path, picture: path)
+    given, body = result(), cylinder_body()
+    frames = np.stack([given.state.positions, given.state.positions - [0.0, 0.01, 0.0], given.state.positions])
+    frames[2, 5] = np.nan
+    moved = Movement(np.array([0.0, 0.05, 0.1]), frames, np.stack([body.vertices] * 3), given.state, "diverged", "too fast")
+    report = movement.movement_report(moved, given.cloth, body, None)  # type: ignore[arg-type]
+    assert (report["status"], report["seconds"], report["self_intersections"], report["waist_slip_mm"]) == ("diverged", 0.1, 0, 10.0)
+    last = {"time_s": 0.1, "self_intersections": None, "mannequin_intersections": None, "mannequin_penetration_mm": None, "waist_slip_mm": None}
+    assert report["frames"][2] == last
+    movement.write_movement(tmp_path, moved, given.cloth, body)
+    assert [exhibit.title for exhibit in drawn] == ["0.00 s", "0.05 s"]
 
 
 @pytest.mark.usefixtures("no_view")

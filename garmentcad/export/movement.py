@@ -22,6 +22,7 @@ from garmentcad.simulation.movement import Movement
 _SHOWN = 6  # frames in the picture
 _PICTURE_PX = 700
 _DIGITS = 6
+_FAULTS = ("self_intersections", "mannequin_intersections", "mannequin_penetration_mm")
 
 
 def movement_report(movement: Movement, cloth: Cloth, mannequin: Mannequin, pattern: Pattern) -> dict[str, Any]:
@@ -29,22 +30,23 @@ def movement_report(movement: Movement, cloth: Cloth, mannequin: Mannequin, patt
 
     status: moved (to the end, every frame clean), intersecting (penetration included) or diverged. self_intersections, mannequin_intersections: triangle pairs.
     waist_slip_mm: how far edges with the role `waist` came down on the body since the first frame, None without such edges.
+    Of a frame that is not finite, at which the movement diverged, nothing is measured: all None.
     """
     slips = slip_mm(cloth, movement.positions, movement.body, edge_roles(pattern))
     rows: list[dict[str, Any]] = []
     for k, (time_s, positions, body) in enumerate(zip(movement.times_s, movement.positions, movement.body, strict=True)):
         triangles = cloth.particle_triangles
-        rows.append({
-            "time_s": round(float(time_s), _DIGITS),
+        row = {"time_s": round(float(time_s), _DIGITS), **dict.fromkeys((*_FAULTS, "waist_slip_mm"))}
+        measured = {} if not np.isfinite(positions).all() else {
             "self_intersections": len(crossing_triangle_pairs(positions, triangles)),
             "mannequin_intersections": len(crossing_triangle_pairs_between(positions, triangles, body, mannequin.faces)),
             "mannequin_penetration_mm": round(penetration_mm(positions, triangles, body, mannequin.faces), _DIGITS),
             "waist_slip_mm": None if slips is None else round(float(slips[k]), _DIGITS),
-        })  # fmt: skip
-    worst = {key: max(row[key] for row in rows) for key in ("self_intersections", "mannequin_intersections", "mannequin_penetration_mm")}
-    status = "intersecting" if movement.status == "moved" and any(worst.values()) else movement.status
-    slip = None if slips is None else round(float(slips.max()), _DIGITS)
-    return {"status": status, "seconds": rows[-1]["time_s"], "warning": movement.warning, **worst, "waist_slip_mm": slip, "frames": rows}
+        }  # fmt: skip
+        rows.append(row | measured)
+    worst = {key: max((row[key] for row in rows if row[key] is not None), default=None) for key in (*_FAULTS, "waist_slip_mm")}
+    status = "intersecting" if movement.status == "moved" and any(worst[key] for key in _FAULTS) else movement.status
+    return {"status": status, "seconds": rows[-1]["time_s"], "warning": movement.warning, **worst, "frames": rows}
 
 
 def write_movement(folder: Path, movement: Movement, cloth: Cloth, mannequin: Mannequin) -> tuple[list[Path], list[str]]:
@@ -52,7 +54,8 @@ def write_movement(folder: Path, movement: Movement, cloth: Cloth, mannequin: Ma
     folder.mkdir(parents=True, exist_ok=True)
     arrays = {"times_s": movement.times_s, "positions": movement.positions.astype(np.float32), "body": movement.body.astype(np.float32)}
     files = [write_atomic(folder / "frames.npz", lambda file: np.savez_compressed(file, **arrays))]  # type: ignore[arg-type]
-    chosen = np.unique(np.linspace(0, len(movement.times_s) - 1, _SHOWN).round().astype(int))
+    finite = np.flatnonzero(np.isfinite(movement.positions).all(axis=(1, 2)))
+    chosen = finite[np.unique(np.linspace(0, len(finite) - 1, _SHOWN).round().astype(int))]
     exhibits = [Exhibit(f"{movement.times_s[k]:.2f} s", movement.positions[k], cloth, replace(mannequin, vertices=movement.body[k]), None) for k in chosen]
     try:
         files.append(write_picture(folder / "frames.png", draw_side_by_side(exhibits, ("three-quarter",), _PICTURE_PX)))
