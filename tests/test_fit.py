@@ -29,6 +29,14 @@ def worn(grid_mm: float = 15.0, hem_mm: float = 0.0) -> Result:
     return dataclasses.replace(result(), report=report)
 
 
+def test_a_drape_in_true_motion_is_no_coarser_drape() -> None:
+    moving = worn(30.0)
+    moving.report["mode"] = "dynamics"
+    assert fit_of(worn(), coarser=[worn(30.0)])["mode"] == "drape"
+    with pytest.raises(InputError, match="mode differ"):
+        fit_of(worn(), coarser=[moving])
+
+
 def test_every_figure_has_a_unit_of_its_name() -> None:
     found = figures(worn().report)
     assert found["ease_mm.hip"].unit == "mm"

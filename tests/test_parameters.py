@@ -33,6 +33,11 @@ def test_a_name_that_is_no_parameter_and_a_value_out_of_range_are_refused() -> N
         make_job("tucked-in", values={"length": 700.0})
 
 
+def test_a_mode_that_is_none_is_refused() -> None:
+    with pytest.raises(InputError, match="--mode: mode 'drapee'; drape or dynamics is allowed"):
+        make_job("straight-skirt", mode="drapee")  # type: ignore[arg-type]
+
+
 @pytest.mark.parametrize(
     ("words", "message"), [(["a"], "NAME=NUMBER"), (["a=x"], "NAME=NUMBER"), (["a=nan"], "NAME=NUMBER"), (["a=1", "a=2"], "twice"), (["=2"], "NAME")]
 )

@@ -23,7 +23,7 @@ from garmentcad.export.report import blank_report, build_report, report_json, re
 
 # DESIGN section 5: "report.json holds at least".
 PROMISED = [
-    "schema", "garment", "fabric", "mannequin", "grid_mm", "seed", "threads", "versions", "spec_sha256", "state_sha256", "status", "particles",
+    "schema", "garment", "fabric", "mannequin", "grid_mm", "seed", "mode", "threads", "versions", "spec_sha256", "state_sha256", "status", "particles",
     "triangles", "panels", "seams", "welds", "steps", "time_step_s", "simulated_time_s", "wall_time_s.setup", "wall_time_s.drape",
     "wall_time_s.total", "rest.max_speed_m_s", "rest.rms_speed_m_s", "rest.kinetic_j_per_kg", "rest.residual_g_rms", "strain_percent.warp.p50",
     "strain_percent.warp.p99", "strain_percent.warp.max", "strain_percent.warp.min", "strain_percent.weft.p99", "trellis_deg.p99", "trellis_deg.max",
@@ -45,6 +45,7 @@ def run_record() -> RunRecord:
         mannequin="cylinder",
         grid_mm=15.0,
         seed=0,
+        mode="drape",
         threads=2,
         versions={"numpy": "2", "garmentcad": "0.1.0"},
         spec_sha256="a" * 64,

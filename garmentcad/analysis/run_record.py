@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+Mode = Literal["drape", "dynamics"]
 Status = Literal["converged", "max_time", "diverged", "intersecting"]
 
 
@@ -24,6 +25,7 @@ class RunRecord:
     mannequin: str
     grid_mm: float
     seed: int
+    mode: Mode
     threads: int
     versions: dict[str, str]
     spec_sha256: str

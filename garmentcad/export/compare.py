@@ -20,7 +20,7 @@ from garmentcad.export.result_folder import Result, read_report, read_result_fol
 from garmentcad.export.side_by_side import Exhibit, draw_side_by_side
 from garmentcad.io.atomic import write_atomic
 
-COMPARED = ("garment", "fabric", "mannequin", "grid_mm", "seed", "status", "spec_sha256", "state_sha256")
+COMPARED = ("garment", "fabric", "mannequin", "grid_mm", "seed", "mode", "status", "spec_sha256", "state_sha256")
 FORMATS = (".json", ".csv", ".png")
 
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
+from garmentcad.analysis.run_record import Mode
 from garmentcad.export.movement import movement_report, write_movement
 from garmentcad.export.report import build_report
 from garmentcad.export.result_folder import CHECKPOINT, Result, WrittenFolder, clear_folder, write_result_folder
 from garmentcad.pattern.spec import GarmentSpec
 from garmentcad.simulation.course import Progress
-from garmentcad.simulation.job import Job, Mode, make_job
+from garmentcad.simulation.job import Job, make_job
 from garmentcad.simulation.movement import move
 from garmentcad.simulation.record import record
 from garmentcad.simulation.run import run

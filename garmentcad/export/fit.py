@@ -20,15 +20,15 @@ from garmentcad.export.result_folder import Result
 from garmentcad.export.table import PlainTable
 from garmentcad.io.atomic import write_atomic
 
-IDENTITY = ("schema", "garment", "fabric", "mannequin", "grid_mm", "seed", "status", "versions", "spec_sha256", "state_sha256")
-SAME_GARMENT = ("spec_sha256", "fabric", "mannequin")
+IDENTITY = ("schema", "garment", "fabric", "mannequin", "grid_mm", "seed", "mode", "status", "versions", "spec_sha256", "state_sha256")
+SAME_GARMENT = ("spec_sha256", "fabric", "mannequin", "mode")
 FORMATS = (".json", ".csv")
 _OWN_TABLE = ("ease_mm", "pattern_ease_mm", "body_girth_mm", "ease_level_mm", "lines", "seam_tension")
 
 
 def fit_of(result: Result, lines: Sequence[BodyLine] = (), coarser: Sequence[Result] = ()) -> dict[str, Any]:
     """The fit as plain data: identity, every figure of `FIT_KEYS` that the report has, `lines` measured now and, with results of the same garment on coarser
-    lattices, `error_bars` by path. InputError for a coarser result of another garment, fabric or mannequin, and for lines of a garment without a body."""
+    lattices, `error_bars` by path. InputError for a coarser result of another garment, fabric, mannequin or mode, and for lines of a garment without a body."""
     made = _with_lines(result, lines)
     if coarser:
         for other in coarser:

@@ -52,6 +52,7 @@ def build_report(record: RunRecord, measures: Measures) -> dict[str, Any]:
         "mannequin": record.mannequin,
         "grid_mm": record.grid_mm,
         "seed": record.seed,
+        "mode": record.mode,
         "threads": record.threads,
         "versions": dict(sorted(record.versions.items())),
         "spec_sha256": record.spec_sha256,

@@ -7,9 +7,10 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Literal
+from typing import get_args
 
 from garmentcad import __version__
+from garmentcad.analysis.run_record import Mode
 from garmentcad.cloth.lattice import check_grid
 from garmentcad.errors import InputError
 from garmentcad.fabric.missing import Completed
@@ -24,11 +25,10 @@ from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.mannequin.motion import KeyFrame, motion
 from garmentcad.pattern.draft import draft
 from garmentcad.pattern.outfit import OutfitSpec, put_on
+from garmentcad.pattern.parse import shown
 from garmentcad.pattern.pattern import Pattern, named_fabrics, with_fabrics
 from garmentcad.pattern.scope import with_values
 from garmentcad.pattern.spec import GarmentSpec
-
-Mode = Literal["drape", "dynamics"]
 
 
 @dataclass(frozen=True)
@@ -85,6 +85,8 @@ def make_job(
         raise InputError(f"{max_time_s:g} simulated seconds; more than 0 and at most 600 are allowed", key="--max-time")
     if seed < 0:
         raise InputError(f"seed {seed}; 0 or a positive number is allowed", key="--seed")
+    if mode not in get_args(Mode):
+        raise InputError(f"mode {shown(mode)}; {' or '.join(get_args(Mode))} is allowed", key="--mode")
     model = spec if isinstance(spec, GarmentSpec) else read_worn(spec)
     if isinstance(model, GarmentSpec):
         model, folder = with_values(model, values or {}), spec_folder(model)

@@ -66,6 +66,7 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
         mannequin=body.name,
         grid_mm=job.grid_mm,
         seed=job.seed,
+        mode=job.mode,
         threads=numba.get_num_threads(),
         versions={"garmentcad": __version__, "python": platform.python_version(), **{name: version(name) for name in LIBRARIES}},
         spec_sha256=job.spec_sha256,
