@@ -22,6 +22,39 @@ def test_measurement_file_gives_the_shipped_body(tmp_path):
     assert mine.name == "body"
 
 
+def test_a_body_file_is_read_as_it_is_now(tmp_path, monkeypatch):
+    """Rewritten, and of the same name in another folder."""
+    first = read_mannequin(written(tmp_path, GOOD))
+    assert read_mannequin(written(tmp_path, GOOD.replace("880", "900"))).measurements_mm["bust"] == pytest.approx(first.measurements_mm["bust"] + 20.0, abs=0.1)
+    folders = tmp_path / "a", tmp_path / "b"
+    body = read_mannequin("woman-88")
+    for folder, scale in zip(folders, (1.0, 1.1)):
+        folder.mkdir()
+        trimesh.Trimesh(scale * body.vertices, body.faces, process=False).export(folder / "scan.ply")
+        (folder / "body.yaml").write_text("schema: 1\nunits: mm\nscan: scan.ply\nunit: m\n")
+    heights = []
+    for folder in folders:
+        monkeypatch.chdir(folder)
+        heights.append(read_mannequin("body.yaml").measurements_mm["stature"])
+    assert heights[1] == pytest.approx(1.1 * heights[0])
+
+
+def test_who_changes_a_shipped_body_changes_his_own():
+    body = read_mannequin("woman-88")
+    body.measurements_mm["bust"] = 0.0
+    body.landmarks.clear()
+    with pytest.raises(ValueError, match="read-only"):
+        body.cylinders["torso"].origin[:] = 1.0
+    body.cylinders.clear()
+    again = read_mannequin("woman-88")
+    assert again.measurements_mm["bust"] == pytest.approx(880.0, abs=0.1)
+    assert "nape" in again.landmarks
+    assert "torso" in again.cylinders
+    assert again.vertices is body.vertices
+    with pytest.raises(ValueError, match="read-only"):
+        again.landmarks["nape"][0] = 1.0
+
+
 def test_arm_angle_in_a_file(tmp_path):
     axis = read_mannequin(written(tmp_path, GOOD + "arm_angle: 30\n")).cylinders["arm_left"].up
     assert np.degrees(np.arctan2(-axis[0], axis[1])) == pytest.approx(30, abs=0.01)
