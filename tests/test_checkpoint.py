@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from garmentcad.cloth.state import State
 from garmentcad.errors import CheckpointError
+from garmentcad.simulation import run
 from garmentcad.simulation.checkpoint import load_state, save_state
+from garmentcad.simulation.course import Progress
+from garmentcad.simulation.job import Job, make_job
 
 IDENTITY = {"spec": "a", "seed": "0"}
 
@@ -58,3 +64,101 @@ def test_another_run_is_refused_by_what_differs(tmp_path: Path) -> None:
     save_state(tmp_path / "c.npz", some_state(), IDENTITY)
     with pytest.raises(CheckpointError, match="seed: 0 there, 1 here"):
         load_state(tmp_path / "c.npz", {"spec": "a", "seed": "1"})
+
+
+def rewritten(path: Path, change: Callable[[dict[str, Any], dict[str, Any]], Any]) -> Path:
+    """The file beside `path` with what `change` makes of its arrays and its head (a head of its own where it gives one)."""
+    with np.load(path) as file:
+        arrays: dict[str, Any] = dict(file)
+    head = json.loads(arrays.pop("head").tobytes())
+    made = change(arrays, head)
+    raw = made if isinstance(made, bytes) else json.dumps(head if made is None else made).encode()
+    changed = path.with_name("changed.npz")
+    np.savez(changed, head=np.frombuffer(raw, np.uint8), **arrays)
+    return changed
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda arrays, head: [1], r"a mapping is wanted, came \[1\]"),
+        (lambda arrays, head: b"[" * 200_000, "RecursionError"),
+        (lambda arrays, head: head | {"schema": 99}, "head.schema: .*came 99"),
+        (lambda arrays, head: head | {"identity": ["x"]}, "head.identity"),
+        (lambda arrays, head: head | {"run": [1]}, "head.run"),
+        (lambda arrays, head: head | {"time_s": "1"}, "head.time_s: .*came '1'"),
+        (lambda arrays, head: head | {"step": 10**400}, "head.step"),
+        (lambda arrays, head: arrays.update(positions=np.full((7, 3), "x")), r"positions came as <U1 \(7, 3\)"),
+        (lambda arrays, head: arrays.update(velocities=np.zeros((7, 2))), r"velocities came as float64 \(7, 2\); float64 \(7, 3\) is wanted"),
+        (lambda arrays, head: arrays.update(fold_angles=np.zeros((2, 2))), "fold_angles"),
+    ],
+)
+def test_what_is_no_checkpoint_of_this_program_is_refused(change: Any, message: str, tmp_path: Path) -> None:
+    save_state(tmp_path / "c.npz", some_state(), IDENTITY)
+    with pytest.raises(CheckpointError, match=rf"changed\.npz: not a whole checkpoint of this program.*{message}"):
+        load_state(rewritten(tmp_path / "c.npz", change), IDENTITY)
+
+
+class Stopped(Exception):
+    pass
+
+
+def stop(progress: Progress) -> None:
+    raise Stopped
+
+
+@pytest.fixture(scope="module")
+def begun(tmp_path_factory: pytest.TempPathFactory) -> tuple[Job, Path]:
+    """A job, and its checkpoint a few steps on."""
+    job, path = make_job("straight-skirt", grid_mm=50.0), tmp_path_factory.mktemp("begun") / "checkpoint.npz"
+
+    def look(progress: Progress) -> None:
+        if progress.step > 300:
+            raise Stopped
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(run, "CHECKPOINT_EVERY_S", 0.0)
+        with pytest.raises(Stopped):
+            run.run(job, look, path)
+    with pytest.raises(Stopped):
+        run.run(job, stop, rewritten(path, lambda arrays, head: None), resume=True)
+    return job, path
+
+
+def by(name: str, change: Callable[[np.ndarray], np.ndarray]) -> Callable[[dict[str, Any], dict[str, Any]], None]:
+    return lambda arrays, head: arrays.update({name: change(arrays[name])})
+
+
+def first_is_nan(array: np.ndarray) -> np.ndarray:
+    array.flat[0] = np.nan
+    return array
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda arrays, head: head | {"phase": "dance"}, "phase 'dance'; allowed are close, press"),
+        (lambda arrays, head: head | {"phase": "fall", "run": {}}, "in the phase fall phase_from_s is missing"),
+        (lambda arrays, head: head | {"run": head["run"] | {"level": 7}}, "level 7; 0 to 0 is allowed"),
+        (lambda arrays, head: head | {"run": head["run"] | {"step_factor": 0.0}}, "step_factor 0"),
+        (lambda arrays, head: head | {"time_step_s": float("nan")}, "time_step_s is not finite"),
+        (lambda arrays, head: head | {"work_j": {}}, "work_j holds nothing"),
+        (lambda arrays, head: arrays.update(positions=arrays["positions"][:100], velocities=arrays["velocities"][:100]), r"positions came as \(100, 3\)"),
+        (by("positions", first_is_nan), "positions are not finite"),
+        (by("fold_angles", lambda array: np.zeros(5)), r"fold_angles came as \(5,\); \(0,\) is wanted"),
+        (by("friction.lattice", lambda array: array[:1]), r"friction.lattice came as float64 \(1, "),
+        (by("friction.border", first_is_nan), "friction.border is not finite"),
+        (by("contact.pair_nodes", lambda array: array + np.int32(10**7)), "contact.pair_nodes holds 100"),
+        (by("contact.pair_outside", lambda array: array + np.int32(10**7)), "contact.pair_outside holds "),
+        (by("contact.planes_held", lambda array: array + np.int32(10**7)), "contact.planes_held holds "),
+        (by("contact.pair_kind", lambda array: array.astype(np.int64)), "contact.pair_kind came as int64"),
+        (by("contact.planes_home", np.asfortranarray), "contact.planes_home"),
+        (lambda arrays, head: arrays.__delitem__("contact.stiff_wait"), "contact.stiff_wait is missing"),
+        (lambda arrays, head: arrays.update({"contact.other": np.zeros(1)}), "contact.other is none of this version"),
+        (by("contact.pair_impulse", first_is_nan), "contact.pair_impulse is not a number"),
+    ],
+)
+def test_what_the_run_could_not_go_on_from_is_refused(begun: tuple[Job, Path], change: Any, message: str) -> None:
+    job, path = begun
+    with pytest.raises(CheckpointError, match=rf"changed\.npz: the checkpoint does not fit this run: {message}"):
+        run.run(job, stop, rewritten(path, change), resume=True)

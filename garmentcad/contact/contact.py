@@ -147,6 +147,11 @@ class Contact:
         self._out = np.zeros((CHUNKS, 2))
         self._stand_for: np.ndarray | None = None
 
+    @property
+    def outsides(self) -> int:
+        """Number of the body's pseudo-normals, which `Pairs.outside` counts."""
+        return int(np.prod(self._surface.normals.shape[:2]))
+
     def let_slip(self, slips: bool) -> None:
         """Whether particles slide on the body without friction."""
         self._grip.friction[:] = 0.0 if slips else self._body_friction

@@ -22,7 +22,7 @@ from garmentcad.cloth.weld import weld, weld_seams
 from garmentcad.constraints.points import PointRows
 from garmentcad.contact.contact import Contact
 from garmentcad.contact.path import BodyPath
-from garmentcad.errors import GarmentError, LimitError
+from garmentcad.errors import CheckpointError, GarmentError, LimitError
 from garmentcad.fabric.material import MaterialTable, without_friction
 from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.band import ForceBand
@@ -43,6 +43,7 @@ from garmentcad.simulation.job import Job
 from garmentcad.simulation.materials import lay_out
 from garmentcad.simulation.pressing import imposed_angles, laid_angles, press, under_iron
 from garmentcad.simulation.refine import off_body, refined, refined_sliders
+from garmentcad.simulation.resume import refuse_course, refuse_memory, refuse_shape
 from garmentcad.simulation.sewing import Welding, close_seams, hold, weld_state
 from garmentcad.simulation.start import refuse_tangled
 from garmentcad.solve.dynamics import DivergedError, Dynamics, IntersectingError
@@ -123,11 +124,16 @@ def run(job: Job, look: Callable[[Progress], None], checkpoint: Path | None = No
     InputError for a job that cannot start, Interrupted (after saving) on Ctrl-C.
     """
     state = load_state(checkpoint, job.identity) if resume and checkpoint is not None else None
+    grids = (job.grid_mm,) if state is not None and UNREFINED in state.run else grids_of(job)
     with _stop_signal() as stopped:
         keep = _Keeper(job, checkpoint, look, stopped, begin)
         made = _Run(job, keep, state)
         try:
-            return made.drape((job.grid_mm,) if state is not None and UNREFINED in state.run else grids_of(job))
+            if state is not None:
+                refuse_course(state, len(grids))
+            return made.drape(grids)
+        except CheckpointError as error:
+            raise CheckpointError(error.message, file=str(checkpoint)) from None
         except RefinementError as error:
             # Rare: folds lie so close that finer triangles cross. The full lattice from the start costs more, and crosses nothing.
             anew = _Run(job, keep, None)
@@ -152,6 +158,7 @@ class _Run:
         self.warnings: list[str] = []
         self.setup = 0.0
         self._placed: np.ndarray | None = None
+        self._untried = state is not None  # read from a file, and not yet found to fit
 
     def drape(self, grids: tuple[float, ...]) -> Outcome:
         """Sew on the first grid, then settle on each; the outcome is that of the last one."""
@@ -164,6 +171,8 @@ class _Run:
             start = flat if inner is None else weld_seams(flat, [seam.name for seam in inner.seams])[0]
             cloth, particle_map = weld(start)
             hardware = self._hardware(cloth)
+            if self.state is not None and self._untried:
+                refuse_shape(self.state, start if self.state.phase == "close" else cloth, len(flat.fold_names))
             if self.state is None or self.state.phase == "close":
                 failed = self._sew(flat, start, cloth, particle_map)
                 if failed is not None:
@@ -177,9 +186,7 @@ class _Run:
             if before is not None:
                 self.state = _refined_state(before, self.state, (cloth, dynamics.forces), level, self.job.mannequin)
             hold(dynamics, self.state, pin_rows(hardware))
-            if not self.state.contact:
-                dynamics.start(self.state)
-            self._begin()
+            self._begin(dynamics)
             last = level == len(grids) - 1
             softness = SOFTNESS if self.job.pattern.seams else LOOSE_SOFTNESS
             course = Course(dynamics, soften_all, self.job.mode, self.job.max_time_s, softness, last, bool(self.job.pattern.buttons))
@@ -199,7 +206,14 @@ class _Run:
     def _hardware(self, cloth: Cloth) -> PointRows:
         return hardware_rows(self.job.pattern, cloth, self.materials, self.job.mannequin)
 
-    def _begin(self) -> None:
+    def _begin(self, dynamics: Dynamics) -> None:
+        """Start a phase, or go on in it."""
+        assert self.state is not None
+        if self._untried:
+            refuse_memory(self.state, dynamics)
+            self._untried = False
+        if not self.state.contact:
+            dynamics.start(self.state)
         if not self.setup:
             self.setup = time.perf_counter() - self.began
             self.keep.begin()
@@ -213,9 +227,7 @@ class _Run:
         dynamics, _ = make_dynamics(self.job, start, self._for_sewing(), laid_angles(self.job), dressing=True)
         if self.state is None:
             self.state = self._placed_state(flat, start, 0)
-        if not self.state.contact:
-            dynamics.start(self.state)
-        self._begin()
+        self._begin(dynamics)
         sewing = int(self.state.run.get(_SEWING, 0.0)) + 1
         pull = CLOSING_OVER_N_M if len(self.job.worn) > 1 else CLOSING_PULL_N_M
         failed: DivergedError | IntersectingError | None = None
@@ -280,9 +292,7 @@ class _Run:
         iron = under_iron(cloth)
         dynamics, _ = make_dynamics(self.job, iron, without_friction(self.materials), imposed_angles(self.job), dressing=True)
         hold(dynamics, self.state, hardware)
-        if not self.state.contact:
-            dynamics.start(self.state)
-        self._begin()
+        self._begin(dynamics)
         try:
             press(dynamics, self.state, self.job, self.keep)
         except (DivergedError, IntersectingError) as error:
