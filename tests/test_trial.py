@@ -238,6 +238,7 @@ def test_ctrl_c_ends_all_tests_with_its_message_and_130(case: GarmentTestCase, d
     [
         (TEST.replace("ease_mm.waist", "ease_mm.wist"), "report.ease_mm.wist: there is no 'wist' in ease_mm; did you mean 'waist'"),
         (TEST.replace("hem.nodes,", "hem.node,"), "baseline.hem.node: there is no 'node' in hem; did you mean 'nodes'"),
+        (TEST.replace("hem.nodes,", "hem.nodes, hem.nodes,"), "z.garment-test.yaml: baseline: hem.nodes stands twice"),
         (TEST.replace("grid_mm: 30", "grid_mm: 25"), "grid_mm: '30' there, '25' here"),
         (TEST.replace("grid_mm: 30", "grid_mm: 0.1"), "2 to 50 mm is allowed"),
         (TEST.replace("grid_mm: 30", "fabric: tweed"), "wool-tropical"),

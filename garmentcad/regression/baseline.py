@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Literal
@@ -22,7 +23,7 @@ from garmentcad.errors import FileError, SpecError
 from garmentcad.io.atomic import write_atomic
 from garmentcad.io.npz_file import read_npz
 from garmentcad.io.yaml_file import read_yaml
-from garmentcad.pattern.garment_test import Number, ReportKey, Tolerance
+from garmentcad.pattern.garment_test import ANY, SHAPE, Number, ReportKey, Tolerance
 from garmentcad.pattern.model import Model
 from garmentcad.pattern.parse import parse_model
 
@@ -128,7 +129,8 @@ def write_baseline(path: Path, baseline: Baseline, shape: Shape) -> tuple[Path, 
 
 
 def read_baseline(path: Path, setting: dict[str, str], keys: Sequence[str]) -> Baseline:
-    """Read what `write_baseline` wrote. FileError or SpecError for a file that is missing, torn, or was made for another setting or for other keys."""
+    """Read what `write_baseline` wrote. FileError or SpecError for a file that is missing, torn, was made for another setting or
+    for other keys, or lacks the figures of a key: a key without one would pass unseen."""
     remedy = "make it anew with `garmentcad test --remake`"
     if not path.exists():
         raise FileError(f"there is no baseline yet; {remedy}", file=str(path))
@@ -138,7 +140,17 @@ def read_baseline(path: Path, setting: dict[str, str], keys: Sequence[str]) -> B
     unlike = [f"{name}: {there.get(name)!r} there, {here.get(name)!r} here" for name in sorted({*here, *there}) if there.get(name) != here.get(name)]
     if unlike:
         raise SpecError(f"the baseline belongs to another test ({', '.join(unlike)}); {remedy}", file=str(path))
+    bare = [key for key in keys if not _has_figure(baseline, key)]
+    if bare:
+        raise SpecError(f"there is no figure of {', '.join(bare)}; {remedy}", file=str(path), key="report")
     return baseline
+
+
+def _has_figure(baseline: Baseline, key: str) -> bool:
+    if key == SHAPE:
+        return baseline.distances().keys() == {"rms_mm", "max_mm"}
+    meant = re.compile(".+".join(re.escape(part) for part in key.split(ANY)))
+    return any(meant.fullmatch(path) for path in baseline.report)
 
 
 def read_shape(path: Path) -> Shape:

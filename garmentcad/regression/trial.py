@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from garmentcad.analysis.surface_distance import Surface, SurfaceDistance, surface_distance
-from garmentcad.errors import InputError
+from garmentcad.errors import InputError, SpecError
 from garmentcad.export.report import blank_report
 from garmentcad.export.result_folder import Result, write_result_folder
 from garmentcad.io.garment_test_file import GarmentTestCase
@@ -56,6 +56,8 @@ def job_of(case: GarmentTestCase) -> Job:
     test = case.test
     for place, keys in (("report", test.report), ("baseline", [key for key in test.baseline if key != SHAPE])):
         refuse_unknown_keys(keys, blank_report(), str(case.file), place)
+    if twice := [key for k, key in enumerate(test.baseline) if key in test.baseline[:k]]:
+        raise SpecError(f"{', '.join(twice)} stands twice; each key may stand once", file=str(case.file), key="baseline")
     return make_job(
         case.spec, case.resolve(test.fabric, "fabrics"), case.resolve(test.mannequin, "mannequins"),
         grid_mm=test.grid_mm, seed=test.seed, max_time_s=test.max_time_s,
