@@ -24,6 +24,8 @@ from garmentcad.simulation.job import Job, make_job
 
 AT_REST: dict[str, Expected] = {"status": "converged"}  # of every test that says nothing else of it
 
+_KEYS = {"--grid": "grid_mm", "--max-time": "max_time_s"}  # in a test, of what are options elsewhere
+
 
 @dataclass(frozen=True)
 class Trial:
@@ -58,10 +60,13 @@ def job_of(case: GarmentTestCase) -> Job:
         refuse_unknown_keys(keys, blank_report(), str(case.file), place)
     if twice := [key for k, key in enumerate(test.baseline) if key in test.baseline[:k]]:
         raise SpecError(f"{', '.join(twice)} stands twice; each key may stand once", file=str(case.file), key="baseline")
-    return make_job(
-        case.spec, case.resolve(test.fabric, "fabrics"), case.resolve(test.mannequin, "mannequins"),
-        grid_mm=test.grid_mm, seed=test.seed, max_time_s=test.max_time_s,
-    )  # fmt: skip
+    fabric, mannequin = case.resolve(test.fabric, "fabrics"), case.resolve(test.mannequin, "mannequins")
+    try:
+        return make_job(case.spec, fabric, mannequin, grid_mm=test.grid_mm, seed=test.seed, max_time_s=test.max_time_s)
+    except InputError as error:
+        if error.file is not None:
+            raise
+        raise type(error)(error.message, file=str(case.file), key=_KEYS.get(error.key or "", error.key), others=error.others) from None
 
 
 def setting(case: GarmentTestCase, job: Job) -> dict[str, str]:
