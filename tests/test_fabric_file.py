@@ -26,6 +26,20 @@ B:
 T0:
 """
 
+
+def test_a_fabric_is_read_by_its_name_and_from_a_laboratory(tmp_path: Path) -> None:
+    assert read_fabric("wool-suiting") == read_fabric(fabric_path("wool-suiting")) == read_fabric(str(fabric_path("wool-suiting")))
+    assert load_fabric("wool-suiting") == load_fabric(fabric_path("wool-suiting"))
+    with pytest.raises(FileError, match="did you mean 'wool-suiting'"):
+        read_fabric("wol-suiting")
+    path = tmp_path / "lab.csv"
+    path.write_text("name,W,T0,EMT-1,EMT-2,B-1,B-2\npoplin,11.8,0.5,3.5,7,0.1,0.064\n")
+    assert read_fabric(path).name == "poplin"
+    path.write_text(path.read_text() + "twill,11.8,0.5,3.5,7,0.1,0.064\n")
+    with pytest.raises(FabricError, match="2 fabrics came"):
+        read_fabric(path)
+
+
 BAD = [
     pytest.param("W: 11.8", "W: 118", "W", "divide g/m2 by 10", id="g/m2"),
     pytest.param("W: 11.8", "W: .nan", None, "line 4", id="nan"),

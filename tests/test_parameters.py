@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
 from garmentcad.check.examine import examine
@@ -36,6 +38,52 @@ def test_a_name_that_is_no_parameter_and_a_value_out_of_range_are_refused() -> N
 def test_a_mode_that_is_none_is_refused() -> None:
     with pytest.raises(InputError, match="--mode: mode 'drapee'; drape or dynamics is allowed"):
         make_job("straight-skirt", mode="drapee")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"seed": 1.5}, "--seed: seed 1.5; 0 or a positive whole number"),
+        ({"seed": "1"}, "--seed: seed '1'"),
+        ({"seed": True}, "--seed: seed true"),
+        ({"grid_mm": "20"}, "--grid: a number of mm is wanted, came '20'"),
+        ({"grid_mm": None}, "--grid: .*came nothing"),
+        ({"grid_mm": 10**400}, "--grid: a number of mm"),
+        ({"max_time_s": "3"}, "--max-time: a number of simulated seconds is wanted, came '3'"),
+        ({"values": {"length": None}}, "--set length: a number is wanted, came nothing"),
+        ({"values": {1: 2}}, "--set: a mapping of parameter names"),
+        ({"values": [1]}, "--set: a mapping of parameter names"),
+        ({"fabric": 3}, "--fabric: a name or a file is wanted, came 3"),
+        ({"mannequin": {}}, "--mannequin: a name or a file is wanted"),
+        ({"pose": 1.0}, "--pose: a name or a file is wanted"),
+        ({"spec": None}, "spec: a garment is a shipped name, a file or a GarmentSpec, came nothing"),
+        ({"spec": {"schema": 1}}, "spec: a garment is"),
+    ],
+)
+def test_arguments_of_another_kind_are_refused(given: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        make_job(**{"spec": "straight-skirt"} | given)
+
+
+def test_a_fabric_may_be_a_path() -> None:
+    by_file = make_job("straight-skirt", fabric=shipped_file("fabrics", "denim"), grid_mm=np.float32(30.0), seed=np.int64(2))  # type: ignore[arg-type]
+    assert by_file.identity == make_job("straight-skirt", "denim", grid_mm=30.0, seed=2).identity
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "key"),
+    [
+        ("mannequin: woman-88", "mannequin: woman-89", "mannequin"),
+        ("fabric: wool-suiting", "fabric: tweed", "fabric"),
+        ("    points:\n", "    fabric: tweed\n    points:\n", "panels.front.fabric"),
+    ],
+)
+def test_what_a_spec_names_and_is_not_there_is_refused_with_file_and_key(tmp_path: Path, old: str, new: str, key: str) -> None:
+    path, text = tmp_path / "mine.yaml", shipped_file("patterns", "straight-skirt").read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+    with pytest.raises(FileError, match=rf"mine\.yaml: {key}: no shipped file"):
+        make_job(path)
 
 
 @pytest.mark.parametrize(

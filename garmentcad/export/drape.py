@@ -19,14 +19,14 @@ from garmentcad.simulation.run import run
 
 def drape(
     spec: str | Path | GarmentSpec,
-    fabric: str | None = None,
-    mannequin: str | None = None,
+    fabric: str | Path | None = None,
+    mannequin: str | Path | None = None,
     *,
     grid_mm: float = 10.0,
     seed: int = 0,
     mode: Mode = "drape",
     max_time_s: float = 12.0,
-    pose: str | None = None,
+    pose: str | Path | None = None,
     values: Mapping[str, float] | None = None,
     folder: str | Path | None = None,
 ) -> Result:

@@ -19,9 +19,9 @@ from garmentcad.io.yaml_file import read_yaml
 _PLAIN = re.compile(r"[A-Za-z][A-Za-z0-9_]*|2HG5?|2HB")
 
 
-def fabric_path(name_or_file: str) -> Path:
+def fabric_path(name_or_file: str | Path) -> Path:
     """File of a fabric: a shipped name (`wool-suiting`) or a path that ends in .yaml, .yml or .csv. FileError for an unknown name."""
-    if name_or_file.lower().endswith((".yaml", ".yml", ".csv")):
+    if isinstance(name_or_file, Path) or name_or_file.lower().endswith((".yaml", ".yml", ".csv")):
         return Path(name_or_file)
     return shipped_file("fabrics", name_or_file)
 
@@ -31,27 +31,32 @@ def fabric_names() -> list[str]:
     return shipped_names("fabrics")
 
 
-def read_fabric(path: str | Path) -> KesSheet:
-    """The sheet in a fabric file, gaps and all. FileError for what is not plain YAML, FabricError for what is not a KES sheet."""
-    return sheet_from(read_yaml(path), str(path))
+def read_fabric(name_or_file: str | Path) -> KesSheet:
+    """The sheet of a shipped fabric or in a fabric file (YAML, or CSV with one fabric), gaps and all. FileError for an unknown name and what is not plain YAML,
+    FabricError for what is not a KES sheet."""
+    return _sheet(fabric_path(name_or_file))[0]
 
 
-def load_fabric(path: str | Path) -> Completed:
-    """The sheet in a fabric file (YAML, or CSV with one fabric), checked against itself and completed by the rules, with all findings."""
-    seen: tuple[Finding, ...] = ()
-    if Path(path).suffix.lower() == ".csv":
-        sheets, seen = read_kes_csv(path)
-        if len(sheets) > 1:
-            names = ", ".join(sheet.name for sheet in sheets[:10])
-            raise FabricError(f"{len(sheets)} fabrics came ({names}{', ...' if len(sheets) > 10 else ''}); a file of one fabric is wanted", file=str(path))
-        sheet = sheets[0]
-    else:
-        sheet = read_fabric(path)
+def load_fabric(name_or_file: str | Path) -> Completed:
+    """The same sheet, checked against itself and completed by the rules, with all findings."""
+    path = fabric_path(name_or_file)
+    sheet, seen = _sheet(path)
     try:
         done = complete(sheet)
     except FabricError as fault:
         raise FabricError(fault.message, file=str(path), key=fault.key) from None
     return done._replace(findings=(*seen, *done.findings))
+
+
+def _sheet(path: Path) -> tuple[KesSheet, tuple[Finding, ...]]:
+    """The sheet in a file, and what was noticed in reading."""
+    if path.suffix.lower() != ".csv":
+        return sheet_from(read_yaml(path), str(path)), ()
+    sheets, seen = read_kes_csv(path)
+    if len(sheets) > 1:
+        names = ", ".join(sheet.name for sheet in sheets[:10])
+        raise FabricError(f"{len(sheets)} fabrics came ({names}{', ...' if len(sheets) > 10 else ''}); a file of one fabric is wanted", file=str(path))
+    return sheets[0], seen
 
 
 def write_fabric(path: str | Path, sheet: KesSheet) -> Path:
@@ -62,7 +67,7 @@ def write_fabric(path: str | Path, sheet: KesSheet) -> Path:
 def write_law(path: str | Path, law: CalibratedLaw) -> Path:
     """Put `law` into a YAML fabric file in place of one that stands there; every other line stays as it was typed. FileError where it cannot be written,
     FabricError for a file that is no YAML fabric."""
-    read_fabric(path)
+    sheet_from(read_yaml(path), str(path))
     kept, inside = [], False
     for line in Path(path).read_text(encoding="utf-8").splitlines():
         if line.strip() and not line.startswith((" ", "\t", "#", "}")):

@@ -4,22 +4,24 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from numbers import Integral, Real
 from pathlib import Path
 from typing import get_args
 
 from garmentcad import __version__
 from garmentcad.analysis.run_record import Mode
 from garmentcad.cloth.lattice import check_grid
-from garmentcad.errors import InputError
+from garmentcad.errors import FileError, InputError
 from garmentcad.fabric.missing import Completed
 from garmentcad.fabric.sheet import sheet_sha256
-from garmentcad.io.fabric_file import fabric_path, load_fabric
+from garmentcad.io.fabric_file import load_fabric
 from garmentcad.io.mannequin_file import read_mannequin
 from garmentcad.io.outfit_file import read_worn
 from garmentcad.io.pose_file import read_poses
-from garmentcad.io.shipped import resolve_reference
+from garmentcad.io.shipped import Kind, resolve_reference
 from garmentcad.io.spec_file import spec_folder
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.mannequin.motion import KeyFrame, motion
@@ -68,33 +70,39 @@ class Job:
 
 def make_job(
     spec: str | Path | GarmentSpec,
-    fabric: str | None = None,
-    mannequin: str | None = None,
+    fabric: str | Path | None = None,
+    mannequin: str | Path | None = None,
     *,
     grid_mm: float = 10.0,
     seed: int = 0,
     mode: Mode = "drape",
     max_time_s: float = 12.0,
-    pose: str | None = None,
+    pose: str | Path | None = None,
     values: Mapping[str, float] | None = None,
 ) -> Job:
     """Read everything that a drape needs. spec: a shipped name, a file, or a model; fabric, mannequin: a shipped name or a file, in place of the spec's own;
     pose: key frames, a shipped name or a file; values: of parameters, in place of the spec's. InputError for anything that is refused."""
+    grid_mm, max_time_s = _number(grid_mm, "--grid", "a number of mm"), _number(max_time_s, "--max-time", "a number of simulated seconds")
     check_grid(grid_mm)
     if not 0.0 < max_time_s <= 600.0:
         raise InputError(f"{max_time_s:g} simulated seconds; more than 0 and at most 600 are allowed", key="--max-time")
-    if seed < 0:
-        raise InputError(f"seed {seed}; 0 or a positive number is allowed", key="--seed")
+    if isinstance(seed, bool) or not isinstance(seed, Integral) or seed < 0:
+        raise InputError(f"seed {shown(seed)}; 0 or a positive whole number is allowed", key="--seed")
     if mode not in get_args(Mode):
         raise InputError(f"mode {shown(mode)}; {' or '.join(get_args(Mode))} is allowed", key="--mode")
+    for key, named in (("--fabric", fabric), ("--mannequin", mannequin), ("--pose", pose)):
+        if named is not None and not isinstance(named, (str, Path)):
+            raise InputError(f"a name or a file is wanted, came {shown(named)}", key=key)
+    if not isinstance(spec, (str, Path, GarmentSpec)):
+        raise InputError(f"a garment is a shipped name, a file or a GarmentSpec, came {shown(spec)}", key="spec")
+    values = _values({} if values is None else values)
     model = spec if isinstance(spec, GarmentSpec) else read_worn(spec)
     if isinstance(model, GarmentSpec):
-        model, folder = with_values(model, values or {}), spec_folder(model)
-        body = read_mannequin(mannequin if mannequin is not None else resolve_reference(model.mannequin, "mannequins", folder))
+        model, folder = with_values(model, values), spec_folder(model)
+        body = read_mannequin(mannequin if mannequin is not None else _referred(model, model.mannequin, "mannequins", "mannequin"))
         pattern = draft(model, body.measurements_mm)
-        fabrics = {name: load_fabric(resolve_reference(name, "fabrics", folder)) for name in sorted(named_fabrics(pattern))}
-        own = fabric_path(fabric) if fabric is not None else resolve_reference(pattern.fabric, "fabrics", folder)
-        fabrics[pattern.fabric] = load_fabric(own)
+        fabrics = {name: load_fabric(_referred(model, name, "fabrics", key)) for name, key in sorted(named_fabrics(pattern).items())}
+        fabrics[pattern.fabric] = load_fabric(fabric if fabric is not None else _referred(model, pattern.fabric, "fabrics", "fabric"))
         outfit: GarmentSpec | OutfitSpec = model
         worn: tuple[GarmentSpec, ...] = ()
     else:
@@ -103,23 +111,49 @@ def make_job(
         if values:
             raise InputError("an outfit has values of parameters for each garment; name them in its file", key="--set")
         (outfit, worn), folder = model, spec_folder(model[0])
-        body = read_mannequin(mannequin if mannequin is not None else resolve_reference(outfit.mannequin, "mannequins", folder))
-        pattern, fabrics = _dressed(outfit, worn, body.measurements_mm, folder)
+        body = read_mannequin(mannequin if mannequin is not None else _referred(outfit, outfit.mannequin, "mannequins", "mannequin"))
+        pattern, fabrics = _dressed(outfit, worn, body.measurements_mm)
     poses = () if pose is None else tuple(read_poses(pose))
     if poses:
         motion(body, poses)  # refuses what the body cannot do, before anything is draped
     return Job(outfit, pattern, fabrics, body, float(grid_mm), seed, mode, max_time_s, folder, worn, poses)
 
 
-def _dressed(outfit: OutfitSpec, worn: tuple[GarmentSpec, ...], measurements_mm: dict[str, float], folder: Path) -> tuple[Pattern, dict[str, Completed]]:
+def _number(value: object, key: str, wanted: str) -> float:
+    """An argument as a finite number: Python itself takes anything. InputError where it is none."""
+    try:
+        if isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value):
+            return float(value)
+    except OverflowError:
+        pass
+    raise InputError(f"{wanted} is wanted, came {shown(value)}", key=key)
+
+
+def _values(values: object) -> dict[str, float]:
+    """Values of parameters by name. InputError for anything else."""
+    if not isinstance(values, Mapping) or not all(isinstance(name, str) for name in values):
+        raise InputError(f"a mapping of parameter names to numbers is wanted, came {shown(values)}", key="--set")
+    return {name: _number(value, f"--set {name}", "a number") for name, value in values.items()}
+
+
+def _referred(spec: GarmentSpec | OutfitSpec, text: str, kind: Kind, key: str) -> Path:
+    """The file that a spec names under `key`. FileError (with the spec's file and that key) as `resolve_reference`."""
+    try:
+        return resolve_reference(text, kind, spec_folder(spec))
+    except FileError as fault:
+        raise FileError(fault.message, file=spec.file, key=key) from None
+
+
+def _dressed(outfit: OutfitSpec, worn: tuple[GarmentSpec, ...], measurements_mm: dict[str, float]) -> tuple[Pattern, dict[str, Completed]]:
     """The pattern of an outfit, and its sheets: a file that a garment names is sought in that garment's folder."""
     patterns: list[Pattern] = []
     fabrics: dict[str, Completed] = {}
-    for garment, entry in zip(worn, outfit.garments, strict=True):
+    for k, (garment, entry) in enumerate(zip(worn, outfit.garments, strict=True)):
         pattern = draft(garment, measurements_mm, entry.values)
-        places = {name: resolve_reference(name, "fabrics", spec_folder(garment)) for name in (*named_fabrics(pattern), pattern.fabric)}
+        keys = named_fabrics(pattern) | {pattern.fabric: "fabric"}
+        places = {name: _referred(garment, name, "fabrics", key) for name, key in keys.items()}
         if entry.fabric is not None:
-            places[pattern.fabric] = resolve_reference(entry.fabric, "fabrics", folder)
+            places[pattern.fabric] = _referred(outfit, entry.fabric, "fabrics", f"garments.{k}.fabric")
         fabrics |= {str(place): load_fabric(place) for place in places.values()}
         patterns.append(with_fabrics(pattern, {name: str(place) for name, place in places.items()}))
     return put_on(outfit.name, patterns, outfit.mannequin), fabrics
