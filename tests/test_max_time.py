@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
+from garmentcad.cloth.state import State
 from garmentcad.forces.assembly import ForceAssembly
+from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
 from garmentcad.simulation.job import make_job
 from garmentcad.simulation.record import record
 from garmentcad.simulation.run import Outcome, run
+from garmentcad.solve.dynamics import Dynamics, IntersectingError
 
 
 def stopped_at(max_time_s: float, grid_mm: float = 50.0) -> Outcome:
@@ -22,6 +26,37 @@ def test_the_cap_counts_while_seams_close() -> None:
     assert outcome.cloth.particle_count == outcome.flat.particle_count, "nothing is welded across an open seam"
     assert all("it stood" in warning for warning in outcome.warnings if "did not close" in warning)
     assert any("did not close" in warning for warning in outcome.warnings)
+
+
+def of_true_cloth(outcome: Outcome) -> dict[str, float]:
+    """Energies of the final state by the laws of the fabric and with weight, J."""
+    cloth, folds = outcome.cloth, outcome.state.fold_angles
+    forces = ForceAssembly(internal_forces(cloth, outcome.materials, fold_angles=folds), cloth.particle_count, [ForceGravity(cloth.masses)])
+    return forces.energy(outcome.state.positions, outcome.state.friction)
+
+
+def refuse_other_energies(outcome: Outcome) -> None:
+    true, (made, _) = of_true_cloth(outcome), record(outcome)
+    assert made.energy_j["gravity"] == pytest.approx(true["gravity"])
+    assert made.energy_j["stretch"] == pytest.approx(true["stretch"] + true.get("border", 0.0))
+    assert made.energy_j["bend"] == pytest.approx(sum(true.get(name, 0.0) for name in ("bend", "twist", "hinge", "span")))
+
+
+def test_what_is_stopped_while_seams_close_is_judged_as_the_cloth_that_it_is() -> None:
+    """And not as card without weight, as which it is sewn."""
+    outcome = stopped_at(0.2)
+    assert outcome.state.phase == "close"
+    refuse_other_energies(outcome)
+
+
+def test_what_sticks_under_the_iron_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    def stuck(dynamics: Dynamics, state: State, *given: object) -> None:
+        raise IntersectingError(dynamics.cloth, np.array([0]), state)
+
+    monkeypatch.setattr("garmentcad.simulation.run.press", stuck)
+    outcome = run(make_job("pleated-skirt", grid_mm=50.0), lambda progress: None)
+    assert (outcome.status, outcome.state.phase) == ("intersecting", "press")
+    refuse_other_energies(outcome)
 
 
 def test_seams_whose_turn_has_not_come_stand_open() -> None:

@@ -243,10 +243,10 @@ class _Run:
             return self._sew(flat, start, welded, particle_map)
         if failed is not None:
             self.warnings.append(str(failed))
-            return self._outcome(flat, start, dynamics, failed.status)
+            return self._broken_off(flat, start, dynamics, failed.status)
         if welding.open_seams and out_of_time:
             self.state.run |= welding.as_run()
-            return self._outcome(flat, start, dynamics, "max_time")
+            return self._broken_off(flat, start, dynamics, "max_time")
         self._add_up(dynamics.seconds)
         self.state = weld_state(start, welded, particle_map, self.state)
         self.state.phase = "press" if flat.fold_names else "fall"
@@ -297,12 +297,23 @@ class _Run:
             press(dynamics, self.state, self.job, self.keep)
         except (DivergedError, IntersectingError) as error:
             self.warnings.append(f"while it was pressed: {error}")
-            return self._outcome(flat, cloth, dynamics, error.status)
+            return self._broken_off(flat, cloth, dynamics, error.status)
         self._add_up(dynamics.seconds)
         # Contact starts anew: what it remembers belongs to other masses and another stiffness.
         self.state.contact, self.state.phase = {}, "fall"
         self.state.run |= {"phase_from_s": self.state.time_s}
         return None
+
+    def _broken_off(self, flat: Cloth, cloth: Cloth, dressing: Dynamics, status: str) -> Outcome:
+        """The outcome of a run that ended while it was sewn or pressed: judged as the cloth that it is, by no law of sewing or of the iron."""
+        assert self.state is not None
+        self._add_up(dressing.seconds)
+        dynamics, _ = make_dynamics(self.job, cloth, self.materials, self.state.fold_angles)
+        hold(dynamics, self.state, pin_rows(self._hardware(cloth)))
+        if np.isfinite(self.state.positions).all():
+            self.state.contact = {}
+            dynamics.start(self.state)
+        return self._outcome(flat, cloth, dynamics, status)
 
     def _outcome(self, flat: Cloth, cloth: Cloth, dynamics: Dynamics, status: str) -> Outcome:
         assert self.state is not None
