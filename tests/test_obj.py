@@ -10,7 +10,7 @@ import trimesh
 from hand_made import cylinder_body, rectangles, tube
 
 from garmentcad.errors import MeshError
-from garmentcad.export.obj import read_mannequin_obj, write_garment_obj, write_mannequin_obj
+from garmentcad.export.obj import read_garment_obj, read_mannequin_obj, write_garment_obj, write_mannequin_obj
 
 
 def test_garment_read_back(tmp_path: Path) -> None:
@@ -61,3 +61,9 @@ def test_foreign_mannequin_is_refused(tmp_path: Path, text: str) -> None:
     path.write_text(text)
     with pytest.raises(MeshError, match=r"mannequin\.obj"):
         read_mannequin_obj(path)
+
+
+def test_a_garment_beyond_all_bounds_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "garment.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1e300 0\nf 1/1 2/2 3/3\n")
+    with pytest.raises(MeshError, match="is not a garment written by garmentcad"):
+        read_garment_obj(tmp_path / "garment.obj")

@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
 import pytest
 from hand_made import cylinder_body, rectangles, tube
+from typer.testing import CliRunner
 
+from garmentcad.cli.main import app
 from garmentcad.cloth.state import State
-from garmentcad.errors import InputError, TangledError
+from garmentcad.errors import FileError, InputError, TangledError
 from garmentcad.export import movement, picture
 from garmentcad.export.cloth_file import read_cloth, write_cloth
 from garmentcad.export.drape import finish
-from garmentcad.export.result_folder import Result, clear_folder, read_result_folder, write_result_folder
+from garmentcad.export.report import write_report
+from garmentcad.export.result_folder import Result, clear_folder, read_report, read_result_folder, write_result_folder
 from garmentcad.export.side_by_side import Exhibit
 from garmentcad.io.npz_file import read_npz
 from garmentcad.simulation import run
@@ -28,7 +32,8 @@ def result() -> Result:
     positions = tube(cloth, 10, 2, lambda row, angle: np.full_like(angle, 0.13), lambda row: 0.7 + 0.02 * row)
     state = State(positions, np.zeros_like(positions), time_s=1.5, step=300)
     maps = {"strain": np.linspace(0.0, 0.02, cloth.particle_count), "pressure": np.zeros(cloth.particle_count)}
-    return Result({"schema": 1, "garment": "tube"}, cloth, state, maps, cylinder_body())
+    report = {"schema": 1, "garment": "tube", "fabric": "denim", "mannequin": "cylinder", "grid_mm": 20.0, "status": "converged"}
+    return Result(report, cloth, state, maps, cylinder_body())
 
 
 @pytest.fixture
@@ -209,3 +214,74 @@ def test_files_of_different_runs_are_refused(tmp_path: Path) -> None:
     (tmp_path / "report.json").write_text(json.dumps([1]))
     with pytest.raises(InputError, match="not a report"):
         read_result_folder(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('"schema": 1', '"schema": 99', "schema: 99 came; this version reads 1"),
+        ('"garment": "tube"', '"garment": null', "garment: a text is wanted, came nothing"),
+        ('"status": "converged"', '"state": "converged"', "status: a text is wanted"),
+        ('"grid_mm": 20.0', '"grid_mm": "20"', "grid_mm: a number of mm is wanted, came '20'"),
+        ('"grid_mm": 20.0', '"grid_mm": null', "grid_mm: a number of mm"),
+        ('"grid_mm": 20.0', '"grid_mm": NaN', "NaN is not allowed"),
+        ('"grid_mm": 20.0', '"grid_mm": 1e999', "1e999 is not allowed"),
+        ('"grid_mm": 20.0', f'"grid_mm": {"9" * 400}', "a whole number of 400 digits"),
+        ('"grid_mm": 20.0', '"grid_mm": 20.0, "versions": []', r"versions: a mapping is wanted, came \[\]"),
+        ('"grid_mm": 20.0', '"grid_mm": 20.0, "ease_mm": null', "ease_mm: a mapping is wanted, came nothing"),
+        ('"grid_mm": 20.0', '"grid_mm": 20.0, "seam_tension": [1]', "seam_tension: a mapping is wanted"),
+        ('"grid_mm": 20.0', f'"grid_mm": {"[" * 100_000}', "nested deeper than"),
+    ],
+)
+def test_a_report_that_is_none_is_refused(tmp_path: Path, old: str, new: str, message: str) -> None:
+    path = write_report(tmp_path / "report.json", result().report)
+    path.write_text(path.read_text().replace(old, new))
+    with pytest.raises(FileError, match=rf"report\.json.*{message}"):
+        read_report(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "message"),
+    [
+        ("triangles", lambda array: array.astype(float), "triangles came as float64"),
+        ("triangles", lambda array: array[:, :2], r"triangles came as int32 \(320, 2\)"),
+        ("triangles", lambda array: array + 1000, "triangles points outside 0..197"),
+        ("vertex_particle", lambda array: array[:-1], "vertex_particle has 197 rows for 198 vertices"),
+        ("vertex_uv_mm", lambda array: array.astype(str), "vertex_uv_mm came as <U"),
+        ("masses", lambda array: np.full_like(array, np.nan), "masses is not finite"),
+        ("stitches", lambda array: np.full((1, 2), 10**6), "stitches points outside"),
+        ("links.ends", lambda array: array - 1, "links.ends points outside"),
+        ("edge_vertices.front.hem", lambda array: array + 10**6, "edge_vertices.front.hem points outside"),
+        ("panel_names", lambda array: np.arange(2), "panel_names came as int64"),
+    ],
+)
+def test_a_cloth_that_is_none_is_refused(tmp_path: Path, name: str, change: Callable[[np.ndarray], np.ndarray], message: str) -> None:
+    path = write_cloth(tmp_path / "cloth.npz", result().cloth)
+    with np.load(path) as file:
+        arrays = dict(file)
+    np.savez(path, **arrays | {name: change(arrays[name])})
+    with pytest.raises(FileError, match=rf"cloth\.npz.*{message}"):
+        read_cloth(path)
+
+
+@pytest.mark.usefixtures("no_view")
+@pytest.mark.parametrize("values", [np.full(180, np.nan), np.full(180, "x"), np.zeros(180, int)])
+def test_a_map_of_no_numbers_is_refused(tmp_path: Path, values: np.ndarray) -> None:
+    write_result_folder(tmp_path, result(), {})
+    np.savez(tmp_path / "maps.npz", strain=values)
+    with pytest.raises(FileError, match=r"maps\.npz: strain came as .*; finite numbers are wanted"):
+        read_result_folder(tmp_path)
+
+
+@pytest.mark.usefixtures("no_view")
+@pytest.mark.parametrize("command", [("render", "x.png"), ("export", "x.png"), ("export", "x.obj"), ("export", "x.glb")])
+def test_what_diverged_has_no_shape_to_draw(tmp_path: Path, command: tuple[str, str]) -> None:
+    broken = result()
+    broken.state.positions[3] = np.nan
+    broken.report["status"] = "diverged"
+    write_result_folder(tmp_path / "out", broken, {})
+    made = tmp_path / command[1]
+    said = CliRunner().invoke(app, [command[0], str(tmp_path / "out"), "-o", str(made)])
+    assert isinstance(said.exception, FileError)  # `main.run` makes it exit code 2
+    assert "state.npz: positions are not finite: this run ended as diverged" in str(said.exception)
+    assert not made.exists()

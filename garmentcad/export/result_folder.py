@@ -6,7 +6,6 @@ with the extra `view`, front.png and back.png. report.json goes first when a fol
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,12 +18,14 @@ from garmentcad.cloth.state import State
 from garmentcad.errors import FileError
 from garmentcad.export.cloth_file import read_cloth, write_cloth
 from garmentcad.export.glb import write_garment_glb
-from garmentcad.export.obj import read_mannequin_obj, write_garment_obj, write_mannequin_obj
+from garmentcad.export.obj import FARTHEST_M, read_mannequin_obj, write_garment_obj, write_mannequin_obj
 from garmentcad.export.picture import ViewMissing, render_pictures
-from garmentcad.export.report import write_report
+from garmentcad.export.report import SCHEMA, blank_report, write_report
 from garmentcad.io.atomic import remove_unfinished, write_atomic
+from garmentcad.io.json_file import read_json
 from garmentcad.io.npz_file import read_npz
 from garmentcad.mannequin.mannequin import Mannequin
+from garmentcad.pattern.parse import shown
 from garmentcad.simulation.checkpoint import load_state, save_state
 
 PICTURES = ("front", "back")
@@ -32,6 +33,7 @@ CHECKPOINT = "checkpoint.npz"
 _SOLID = ("garment.obj", "garment.glb", "mannequin.obj")
 _ARRAYS = ("state.npz", "cloth.npz", "maps.npz", CHECKPOINT)
 _MOVEMENT = ("movement/frames.npz", "movement/frames.png")
+_NAMES = ("garment", "fabric", "mannequin", "status")  # that every report has
 _MOST_MAPS = 64  # what a folder of another version may have
 
 
@@ -97,32 +99,45 @@ def write_result_folder(folder: str | Path, result: Result, identity: Mapping[st
 
 
 def read_report(folder: str | Path) -> dict[str, Any]:
-    """report.json of a result folder. Raises FileError where there is none, or something else."""
+    """report.json of a result folder, of this version or an older one. Raises FileError where there is none, or something else."""
     path = Path(folder) / "report.json"
     if Path(folder).is_file():
         raise FileError("is a file; the folder of a finished drape is wanted", file=str(folder))
-    try:
-        report = json.loads(path.read_text(encoding="utf-8"))
-    except FileNotFoundError as error:
-        raise FileError("no such file: this is not the folder of a finished drape", file=str(path)) from error
-    except (OSError, ValueError, RecursionError) as error:
-        raise FileError(f"is not JSON ({error})", file=str(path)) from error
+    if not path.exists():
+        raise FileError("no such file: this is not the folder of a finished drape", file=str(path))
+    report = read_json(path)
     if not isinstance(report, dict) or "schema" not in report:
         raise FileError("is not a report of garmentcad", file=str(path))
+    if report["schema"] != SCHEMA:
+        raise FileError(f"{shown(report['schema'])} came; this version reads {SCHEMA}", file=str(path), key="schema")
+    for key in _NAMES:
+        if not isinstance(report.get(key), str):
+            raise FileError(f"a text is wanted, came {shown(report.get(key))}", file=str(path), key=key)
+    grid_mm = report.get("grid_mm")
+    if isinstance(grid_mm, bool) or not isinstance(grid_mm, (int, float)) or grid_mm <= 0.0:
+        raise FileError(f"a number of mm is wanted, came {shown(grid_mm)}", file=str(path), key="grid_mm")
+    for key, like in blank_report().items():
+        if isinstance(like, dict) and not isinstance(report.get(key, like), dict):
+            raise FileError(f"a mapping is wanted, came {shown(report[key])}", file=str(path), key=key)
     return report
 
 
 def read_result_folder(folder: str | Path) -> Result:
-    """Read a result folder. Raises FileError (or CheckpointError, MeshError) naming the file that is missing or torn."""
+    """Read a result folder. Raises FileError (or CheckpointError, MeshError) naming the file that is missing or torn; FileError, too, where the
+    run diverged so far that there is no shape to draw or measure."""
     folder = Path(folder)
     report = read_report(folder)
     cloth = read_cloth(folder / "cloth.npz")
     state = load_state(folder / "state.npz")
     if state.positions.shape != (cloth.particle_count, 3):
         raise FileError(f"holds {state.positions.shape} positions where cloth.npz has {cloth.particle_count} particles", file=str(folder / "state.npz"))
+    if not (np.abs(state.positions) < FARTHEST_M).all():
+        raise FileError(f"positions are not finite: this run ended as {report['status']} and has no shape to draw or measure", file=str(folder / "state.npz"))
     maps = read_npz(folder / "maps.npz", _MOST_MAPS * (8 * cloth.particle_count + 1024))
     for name, values in maps.items():
         if values.shape != (cloth.particle_count,):
             raise FileError(f"{name} has shape {values.shape} where cloth.npz has {cloth.particle_count} particles", file=str(folder / "maps.npz"))
+        if values.dtype.kind != "f" or not np.isfinite(values).all():
+            raise FileError(f"{name} came as {values.dtype}; finite numbers are wanted", file=str(folder / "maps.npz"))
     body = folder / "mannequin.obj"
     return Result(report, cloth, state, maps, read_mannequin_obj(body) if body.exists() else None)
