@@ -170,6 +170,13 @@ def test_the_doctor_names_the_place_in_the_outfit(folder: Path, change: tuple[st
     assert all(places[str(finding.key)] in finding.message for finding in errors)
 
 
+def test_a_drape_names_the_place_of_a_misspelt_parameter(folder: Path) -> None:
+    (folder / "outfit.yaml").write_text(OUTFIT.replace("garment: band.yaml", "garment: band.yaml, values: {hight: 50}"))
+    with pytest.raises(GarmentError, match="did you mean 'height'") as caught:
+        make_job(folder / "outfit.yaml")
+    assert (caught.value.file, caught.value.key) == (str(folder / "outfit.yaml"), "garments.0.values")
+
+
 def test_the_doctor_takes_the_fabric_of_the_outfit(folder: Path) -> None:
     (folder / "outfit.yaml").write_text(OUTFIT.replace("band.yaml", "knit-top, fabric: cotton-shirting"))
     alone = examine("knit-top", fabric="cotton-shirting", grid_mm=20.0)

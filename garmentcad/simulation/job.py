@@ -149,7 +149,11 @@ def _dressed(outfit: OutfitSpec, worn: tuple[GarmentSpec, ...], measurements_mm:
     patterns: list[Pattern] = []
     fabrics: dict[str, Completed] = {}
     for k, (garment, entry) in enumerate(zip(worn, outfit.garments, strict=True)):
-        pattern = draft(garment, measurements_mm, entry.values)
+        try:
+            given = with_values(garment, entry.values)
+        except InputError as fault:
+            raise type(fault)(fault.message, file=outfit.file, key=f"garments.{k}.values") from None
+        pattern = draft(given, measurements_mm)
         keys = named_fabrics(pattern) | {pattern.fabric: "fabric"}
         places = {name: _referred(garment, name, "fabrics", key) for name, key in keys.items()}
         if entry.fabric is not None:
