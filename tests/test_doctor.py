@@ -120,7 +120,7 @@ FAULTS: list[tuple[str, Callable[[dict[str, Any]], Any], str, str, str, str]] = 
     ("cutout outside", lambda d: (d["panels"]["front"]["points"].update(h=[310, 200]), d["panels"]["front"].update(
         cutouts=[[{"name": "o", "from": "h", "to": "h", "arc": {"center": [290, 200], "direction": "clockwise"}}]])),
      "error", "cutout-outside", "panels.front.cutouts.0", "of 1253 mm2"),
-    ("drill hole outside", lambda d: d["panels"]["front"].update(drill_holes={"h": [150, 20], "o": [310, 20]}),
+    ("drill hole outside", lambda d: d["panels"]["front"].update(drill_holes={"i": [150, 20], "o": [310, 20]}),
      "warning", "hole-outside", "panels.front.drill_holes.o", "10.0 mm outside the panel, at (310.0, 20.0) mm"),
     ("region half outside", lambda d: d["panels"]["front"].update(regions=[{"name": "r", "polygon": [[250, 0], [350, 0], [350, 100], [250, 100]]}]),
      "warning", "region-outside", "panels.front.regions.r", "of 10000 mm2"),
