@@ -1,6 +1,6 @@
 """A mannequin: closed body surface, measurements, landmarks and arrangement cylinders.
 
-World frame of DESIGN section 3 (metres, y up, +z front, +x wearer's left).
+World frame: metres, y up, +z front, +x wearer's left.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ class ArrangementCylinder:
 class Mannequin:
     """A body, equal to itself alone. `faces` are counter-clockwise seen from outside; the surface is closed.
 
-    measurements_mm: girths, lengths and `*_height` (above the floor) under DESIGN's names; landmarks: points on or in the body, m;
-    cylinders: torso, arm_left, arm_right, leg_left, leg_right; face_part: index into part_names for each face (the torso alone is taped).
+    measurements_mm: girths, lengths and `*_height` (above the floor) under the names of docs/spec.md; landmarks: points on or in the body, m;
+    cylinders: torso, neck, arm_left, arm_right, leg_left, leg_right; face_part: index into part_names for each face (the torso alone is taped).
     """
 
     name: str
