@@ -67,6 +67,23 @@ def test_two_loops_share_fm() -> None:
     assert sum(value.key == "Fm" for value in fit_tension([warp, loop(z, tension_record(z, 0.7, 60.0, 9.0, 505.0))])) == 1
     with pytest.raises(FabricError, match="Fm belongs to the whole sheet"):
         fit_tension([warp, loop(z, tension_record(z, 0.7, 60.0, 9.0, 250.0))])
+    with pytest.raises(FabricError, match=r"the loops end at (500|499\.9\d?), (520|519\.9\d?) gf/cm"):
+        fit_tension([warp, loop(z, tension_record(z, 0.7, 60.0, 9.0, 520.0))])
+
+
+@pytest.mark.parametrize(("end", "force"), [(49.0, 50.0), (102.0, 100.0), (104.0, 104.0), (250.0, 250.0), (510.0, 500.0)])
+def test_fm_is_the_nominal_force_near_by_and_its_bounds_hold_what_was_recorded(end: float, force: float) -> None:
+    x = sweep([0.0, 6.0, 0.0], 401)
+    fm = next(value for value in fit_tension([loop(x, tension_record(x, 0.6, 60.0, 6.0, end))]) if value.key == "Fm")
+    assert fm.value == pytest.approx(force, rel=5e-4)
+    assert (fm.low, fm.high) == pytest.approx((min(force, end), max(force, end)), rel=5e-4)
+
+
+def test_a_coarse_record_that_overshoots_is_brought_to_fm_along_its_tangent() -> None:
+    """Of its last tenth there are two samples, too few for a slope."""
+    x = sweep([0.0, 6.05, 0.0], 25)
+    fitted = {value.key: value for value in fit_tension([loop(x, tension_record(x, 0.58, 60.0, 6.0, 500.0))])}
+    assert fitted["EMT.weft"].value == pytest.approx(6.0, rel=2e-3)
 
 
 BAD = [
@@ -74,6 +91,8 @@ BAD = [
     pytest.param(lambda x, y: (x[:260], y[:260]), "the way back ends at", id="half a way back"),
     pytest.param(lambda x, y: (x[::-1], y[::-1]), "the way back gives", id="backwards in time"),
     pytest.param(lambda x, y: (x, y + 200.0), "the record begins at 200", id="preload"),
+    pytest.param(lambda x, y: (x, y - 200.0), "the record begins at -200", id="slack"),
+    pytest.param(lambda x, y: (x, np.where(np.arange(len(x)) > 200, 1.75 * y, y)), "the way back gives", id="gain"),
     pytest.param(lambda x, y: (x, -y), "does not grow", id="sign"),
     pytest.param(lambda x, y: (-x, y), "the strain falls first", id="compression"),
 ]
@@ -96,6 +115,24 @@ def test_a_sudden_fall_at_the_turn_is_in_the_bounds(samples: int) -> None:
     found = {value.key: value for value in fit_tension([loop(x, y)])}["RT.weft"]
     assert found.low <= 60.0 <= found.high, found
     assert found.high - found.low < 440.0 / samples
+
+
+def test_a_sudden_fall_in_a_long_first_step_back_is_in_the_bounds() -> None:
+    """Two samples after the turn are missing: nobody saw where in a step of three the force fell to 60 %."""
+    x = sweep([0.0, 6.0, 0.0], 161)
+    y = tension_record(x, 0.6, 100.0, 6.0, 500.0)
+    y[81:] *= 0.6
+    found = {value.key: value for value in fit_tension([loop(np.delete(x, [81, 82]), np.delete(y, [81, 82]))])}["RT.weft"]
+    assert found.low <= 60.0 <= found.high, found
+
+
+@pytest.mark.parametrize(("back_to", "turns"), [(5.5, 3), (5.0, 5)])
+def test_a_recorder_that_goes_back_by_less_than_a_tenth_of_the_range_does_not_turn(back_to: float, turns: int) -> None:
+    """On the way out from 0 to 8 it stops at 6 and goes back a little."""
+    x = sweep([0.0, 6.0, back_to, 8.0, 0.0], 321)
+    found = record("tension", "warp", x, tension_record(x, 0.9, 100.0, 8.0, 500.0), "made up")
+    assert len(found.turns) == turns
+    assert x[list(found.turns)] == pytest.approx([0.0, 8.0, 0.0] if turns == 3 else [0.0, 6.0, 5.0, 8.0, 0.0], abs=0.06)
 
 
 @pytest.mark.parametrize(("at", "force"), [(40, 5000.0), (40, 0.0), (99, 5000.0)])
