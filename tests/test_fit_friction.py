@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tester_records import bending_record, shear_record, sweep
+from tester_records import bending_record, friction_record, shear_record, sweep
 
 from garmentcad.errors import FabricError
 from garmentcad.fabric.fit_friction import fit_friction
@@ -139,3 +139,13 @@ def test_a_recorder_may_stand_at_its_turns_while_the_force_falls() -> None:
     y[60:66] = np.linspace(4.45, 3.55, 6)
     found = {value.key: value.value for value in fit_friction([loop("shear", x, y)])}
     assert found == pytest.approx({"G.warp": 0.5, "2HG.warp": 0.9, "2HG5.warp": 0.9})
+
+
+def test_a_flat_curve_in_coarse_steps_of_force_is_not_clipped() -> None:
+    """It comes to its largest number again and again over degrees, and leaves it in between."""
+    x = sweep(CYCLE, 321)
+    y = friction_record(x, 0.02, [(0.0, 0.5), (8.0, 0.5)], 200.0) + np.random.default_rng(1).normal(0.0, 0.03, len(x))
+    y = np.round(y / 0.05) * 0.05
+    top = np.flatnonzero(y[:81] == y[:81].max())
+    assert np.ptp(x[top]) > 0.05 * np.ptp(x)
+    assert len(loop("shear", x, y).turns) == 4
