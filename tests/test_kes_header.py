@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from garmentcad.fabric.quantity import QUANTITIES
-from garmentcad.io.kes_header import Label, read_label
+from garmentcad.io.kes_header import FIT_QUANTITIES, Label, read_label
 
 UNDERSTOOD = {
     "B warp (gf.cm2/cm)": ("B.warp", 1.0),
@@ -38,6 +38,30 @@ UNDERSTOOD = {
     "MMD": ("MMD.mean", 1.0),
     "SMD_um": ("SMD.mean", 1.0),
     "LT": ("LT.mean", 1.0),
+    "Areal density, gsm": ("W", 0.1),
+    "T0 [cm]": ("T0", 10.0),
+    "Thickness Tm, mm": ("Tm", 1.0),
+    "SMD warp (micron)": ("SMD.warp", 1.0),
+    "Geometrical roughness weft": ("SMD.weft", 1.0),
+    "Tensile linearity warp": ("LT.warp", 1.0),
+    "Tensile energy (J/m²) warp": ("WT.warp", 1 / 0.980665),
+    "Tensile resilience weft, percent": ("RT.weft", 1.0),
+    "Tensile strain avg": ("EMT.mean", 1.0),
+    "Extensibility pct 2": ("EMT.weft", 1.0),
+    "Shear rigidity warp": ("G.warp", 1.0),
+    "Shear stiffness average (gf/cm.deg)": ("G.mean", 1.0),
+    "2HG 5 warp": ("2HG5.warp", 1.0),
+    "2HG 0.5 weft": ("2HG.weft", 1.0),
+    "Bending stiffness bias": ("B.bias", 1.0),
+    "Friction coefficient warp": ("MIU.warp", 1.0),
+    "Coefficient of friction": ("MIU.mean", 1.0),
+}
+OF_FAST = {
+    "Bending length weft (cm)": ("C.weft", 10.0),
+    "C1 mm": ("C.warp", 1.0),
+    "Bias extension, %": ("EB5", 1.0),
+    "Cantilever length warp": ("overhang.warp", 1.0),
+    "Overhang length 2": ("overhang.weft", 1.0),
 }
 
 
@@ -45,6 +69,13 @@ UNDERSTOOD = {
 def test_understood(text: str) -> None:
     key, factor = UNDERSTOOD[text]
     assert read_label(text) == Label(key, pytest.approx(factor, rel=1e-7))
+
+
+@pytest.mark.parametrize("text", list(OF_FAST))
+def test_labels_of_fast_are_understood_among_its_quantities_only(text: str) -> None:
+    key, factor = OF_FAST[text]
+    assert read_label(text, FIT_QUANTITIES) == Label(key, pytest.approx(factor, rel=1e-7))
+    assert read_label(text) is None
 
 
 @pytest.mark.parametrize(
