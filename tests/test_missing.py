@@ -69,6 +69,7 @@ EXPECTED = [
     ({"B": {"warp": 0.1}}, "B.weft", 0.064, "0.64 B.warp"),
     ({"B": {"weft": 0.064}}, "B.warp", 0.1, "B.weft/0.64"),
     ({"W": 19.7}, "B.warp", 0.14, "medians of 618 fabrics"),
+    ({"W": 39.4}, "B.warp", 0.14 * 2.0**1.7, "medians of 618 fabrics"),
     ({"B": {"warp": 0.16, "weft": 0.09}}, "B.bias", 0.97 * 0.12, "0.97 sqrt"),
     ({"B": 0.1}, "2HB.warp", 0.09, "0.9 /cm x B"),
     ({"B": {"warp": 0.2, "weft": 0.1}, "HB": {"warp": 0.06}}, "2HB.weft", 0.03, "2HB.warp in the ratio of B"),
@@ -96,6 +97,29 @@ def test_every_key_of_a_rule_is_tested() -> None:
     assert {key for _, key, _, _ in EXPECTED} >= {rule.key for rule in RULES} - {"WT.warp", "2HG5.warp"}
 
 
+@pytest.mark.parametrize(
+    ("given", "key", "severity"),
+    [
+        ({}, "Fm", "info"),
+        ({}, "T0", "info"),
+        ({"EMT": 6.0}, "EMT.weft", "info"),
+        ({"G": {"warp": 1.0}}, "G.weft", "info"),
+        ({"2HG5": 3.32}, "2HG.warp", "info"),
+        ({"EMT": {"warp": 4.0}}, "EMT.weft", "warning"),
+        ({}, "EMT.warp", "warning"),
+        ({}, "G.warp", "warning"),
+        ({"G": 2.0}, "2HG.warp", "warning"),
+        ({}, "B.warp", "warning"),
+        ({"B": {"warp": 0.1}}, "B.weft", "warning"),
+        ({"B": {"weft": 0.1}}, "B.warp", "warning"),
+        ({"B": 0.1}, "2HB.warp", "warning"),
+        ({}, "MIU.mean", "warning"),
+    ],
+)
+def test_a_value_that_nothing_of_its_kind_was_measured_for_is_a_warning(given: dict[str, Any], key: str, severity: str) -> None:
+    assert [found.severity for found in complete(sheet_from({**BASE, **given})).findings if found.key == key and found.message.startswith("missing")] == [severity]
+
+
 def test_rules_fill_every_gap_and_a_full_sheet_has_none() -> None:
     assert {key for key in FILLED if complete(sheet()).sheet.get(key) is None} == set()
     full = complete(sheet_from(FULL))
@@ -113,6 +137,9 @@ def test_weight_has_no_stand_in() -> None:
 def test_a_rule_that_leads_to_nonsense_is_refused_with_its_input() -> None:
     with pytest.raises(FabricError, match=r"the rule 2 mean - warp with LT.mean = 0.5, LT.warp = 1.1 gives -0.1") as caught:
         complete(sheet(LT={"mean": 0.5, "warp": 1.1}))
+    assert caught.value.key == "LT.weft"
+    with pytest.raises(FabricError, match=r"the rule 2 mean - warp with LT.mean = 1.5, LT.warp = 0.5 gives 2.5, outside .* to ") as caught:
+        complete(sheet(LT={"mean": 1.5, "warp": 0.5}))
     assert caught.value.key == "LT.weft"
 
 
@@ -146,6 +173,11 @@ def test_means_that_disagree_are_a_finding_not_a_refusal() -> None:
         ({"2HG": {"warp": 1.6, "weft": 0.8}}, "2HG.warp", "larger than 2HG5"),
         ({"Tm": 0.7}, "Tm", "larger than T0"),
         ({"RT": {"warp": 20.0, "weft": 60.0}}, "RT.warp", "gives back 28 % at least"),
+        (
+            {"LT": {"warp": 0.7, "weft": 0.6}, "WT": {"warp": 8.75, "weft": 12.0}, "RT": {"warp": 62.0, "weft": 20.0}},
+            "RT.weft",
+            "LT = 0.6 the law gives back 28 % at least",
+        ),
         ({"law": {"sheet_sha256": "0" * 64, "values": {"W": 21.0}}}, "law", "is not used"),
     ],
 )
