@@ -194,7 +194,7 @@ def test_a_button_on_a_sewn_corner_holds_nothing_and_is_told() -> None:
     made = job(lambda data: data.update(closures=[{"name": "button", "button": "left.back_top", "buttonhole": "right.back_top"}]), grid_mm=30.0)
     materials, material_of = lay_out(made)
     flat = build_cloth(made.pattern, material_of, materials, 30.0)
-    (finding,) = check_hardware(made.pattern, flat, materials, BODY)
+    (finding,) = check_hardware(made.pattern, flat, place_vertices(made.pattern, flat, BODY), materials, BODY)
     assert (finding.severity, finding.code, finding.remedy) == ("warning", "redundant-constraints", "Leave it out, or move one of its points.")
     assert finding.message == "button and buttonhole of 'button' are one point once the seams are closed: it holds nothing"
 
