@@ -18,7 +18,7 @@ from garmentcad.geometry.polygon import loop_points, signed_area
 from garmentcad.pattern.draft import draft, draft_errors
 from garmentcad.pattern.parse import parse_spec
 from garmentcad.pattern.pattern import Edge, Panel, Pattern, Transform, Wrap
-from garmentcad.pattern.runs import side_length, side_notches
+from garmentcad.pattern.runs import resolve_side, side_length, side_notches
 
 BODY = {"waist": 720.0, "hip": 960.0, "waist_height": 1040.0}
 
@@ -230,6 +230,12 @@ def test_runs(pattern: Pattern) -> None:
     assert side_notches(pattern.panels, seams["waist"].a) == [("x", pytest.approx(0.9 * length - 30)), ("x_m", pytest.approx(1.1 * length - 30))]
 
 
+def test_a_run_along_a_dart_leg_is_that_leg(pattern: Pattern) -> None:
+    (use,) = resolve_side(("front.dart_leg_a.dart_a", "front.dart_leg_a.dart_apex"), pattern.panels, "a")
+    edge = pattern.panels["front"].edges[use.edge]
+    assert (edge.name, edge.start, edge.end, use.reverse) == ("dart_leg_a", "dart_a", "dart_apex", False)
+
+
 def test_regions(pattern: Pattern) -> None:
     border, yoke, border_m, yoke_m = pattern.panels["front"].regions
     assert (border.name, border_m.name, yoke_m.name) == ("border", "border_m", "yoke_m")
@@ -296,6 +302,10 @@ FAULTS: list[tuple[Callable[[dict[str, Any]], Any], str, str]] = [
     (lambda d: d["panels"]["back"]["cutouts"][0][0].update(name="hem"), "panels.back.cutouts.0", "a second edge is called 'hem'"),
     (lambda d: d["panels"]["twin"].update(mirrored_from="bach"), "panels.twin.mirrored_from", "did you mean 'back'"),
     (lambda d: d["panels"]["twin"].update(mirrored_from="twin"), "panels.twin.mirrored_from", "is not a drawn panel"),
+    (lambda d: d["seams"][0].update(ease=-0.95), "seams.0.ease", "came -0.95; allowed is -0.9 to 9"),
+    (lambda d: d["seams"][0].update(fold_angle=181), "seams.0.fold_angle", "came 181; allowed is -180 to 180"),
+    (lambda d: d["seams"][0].update(fold_angle=-181), "seams.0.fold_angle", "came -181; allowed is -180 to 180"),
+    (lambda d: d["seams"][0].update(bend_factor=-1), "seams.0.bend_factor", "allowed is 0 to 1000"),
     (lambda d: d["seams"][0].update(a=["frond.side.waist_side", "front.side.hem_side"]), "seams.0.a.0", "did you mean 'front'"),
     (lambda d: d["seams"][0].update(a=["front.side.waist_side", "front.sid.hem_side"]), "seams.0.a.1", "did you mean 'side'"),
     (lambda d: d["seams"][0].update(a=["front.center.top", "front.center.bottom"]), "seams.0.a.0", "a mirror edge goes"),
@@ -347,6 +357,9 @@ def test_names_that_darts_and_pleats_make_are_their_own() -> None:
         (renamed("k_3_leg_b"), "pleats.0", "pleat 'k_3' makes an edge 'k_3_leg_b', and an edge"),
         (lambda panel: panel.update(folded), "pleats.0", "pleat 'k_2' makes a fold 'k_2_under', and a fold"),
         (lambda panel: panel["points"].update(k_1_fold=[5, 5]), "pleats.0", "pleat 'k_1' makes a point 'k_1_fold', and a point"),
+        (lambda panel: panel["points"].update(k_2_b=[5, 5]), "pleats.0", "pleat 'k_2' makes a point 'k_2_b', and a point"),
+        (lambda panel: panel["points"].update(d_a=[5, 5]), "darts.0", "dart 'd' makes a point 'd_a', and a point"),
+        (lambda panel: panel["points"].update(d_b=[5, 5]), "darts.0", "dart 'd' makes a point 'd_b', and a point"),
         (lambda panel: panel.update(drill_holes={"d_apex": [5, 5]}), "darts.0", "dart 'd' makes a point 'd_apex', and a drill hole"),
     ):
         assert named_twice(change) == (f"panels.p.{place}.name", f"{made} is called so, too; rename one")
@@ -371,6 +384,23 @@ def test_images_have_names_of_their_own() -> None:
         key, message = named_twice(lambda panel, more=more: panel.update(more), "right")
         assert key == "panels.p.mirror"
         assert message.startswith(f"the image of {named} would be called ")
+
+
+def test_the_image_of_an_edge_of_a_cutout_has_a_name_of_its_own() -> None:
+    def change(panel: dict[str, Any]) -> None:
+        panel["points"] |= {"p": [100, 300], "q": [140, 300], "r": [140, 340]}
+        panel["cutouts"] = [[{"name": name, "from": start, "to": end} for name, start, end in (("x", "p", "q"), ("y", "q", "r"), ("z", "r", "p"))]]
+        panel["edges"][3]["name"] = "x_m"
+
+    assert named_twice(change, "right")[1].startswith("the image of edge 'x' would be called 'x_m'")
+
+
+def test_a_point_of_the_fold_leaves_the_name_that_its_image_would_have() -> None:
+    edges = [{"name": a + b, "from": a, "to": b} for a, b in ("ab", "bc", "ca")]
+    points = {"a": [0, 0], "b": [100, 0], "c": [100, 200], "c_m": [80, 60]}
+    panel = {"points": points, "edges": edges, "mirror": "bc", "placement": SKIRT["panels"]["back"]["placement"]}
+    unfolded = draft(parse_spec({"name": "x", "fabric": "wool", "mannequin": "woman", "panels": {"p": panel}}), BODY).panels["p"]
+    assert {name: unfolded.points[name] for name in ("c", "c_m", "c_m_m")} == {"c": (100, 200), "c_m": (80, 60), "c_m_m": (120, 60)}
 
 
 def test_a_point_of_the_fold_keeps_its_name_and_no_image_takes_it() -> None:
