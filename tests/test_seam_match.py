@@ -127,6 +127,11 @@ def test_a_notch_and_its_image_meet_their_like_over_the_fold() -> None:
         assert np.concatenate([1.0 - match.fractions_a[0][::-1], 1.0 - match.fractions_a[1][::-1]]) == pytest.approx([0.0, 0.4, 1.0, 0.0, 0.6, 1.0])
 
 
+def test_two_notches_at_one_place_are_two() -> None:
+    panels = {"front": rectangle(200, 200, notches={RIGHT: (("hip", 0.25), ("back", 0.25))})}
+    assert side_notches(panels, (EdgeUse("front", RIGHT, True),)) == [("hip", 150.0), ("back", 150.0)]
+
+
 def test_the_image_alone_keeps_the_name() -> None:
     panel = half(100, 300, "top")
     panel["notches"].append({"edge": "side", "at": 0.5, "name": "hip"})
