@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from garmentcad.check.finding import Finding
 from garmentcad.check.region import check_regions
 from garmentcad.cloth.lattice import build_cloth
 from garmentcad.errors import SpecError
@@ -89,17 +90,31 @@ def test_regions_of_one_name_keep_their_own_rows() -> None:
     assert masses(made, 50.0, 150.0) == pytest.approx([0.44, 0.24])
 
 
+def band(width: float) -> dict[str, Any]:
+    return {"name": f"b{width:g}", "band": {"edge": "a", "width": width}, "factors": {"W": 2}}
+
+
+def without_lattice(made: Job) -> list[Finding]:
+    materials, material_of = lay_out(made)
+    return list(check_regions(made.pattern, build_cloth(made.pattern, material_of, materials, 10.0), "x.yaml"))
+
+
 def test_a_region_that_no_element_takes_is_found() -> None:
     """At a grid of 10 mm a band of 3 mm has no effect, nor has one that a later region covers; one of 15 mm has."""
 
     def found(*regions: dict[str, Any]) -> list[tuple[str, str | None]]:
-        made = job(regions=list(regions))
-        materials, material_of = lay_out(made)
-        return [(finding.code, finding.key) for finding in check_regions(made.pattern, build_cloth(made.pattern, material_of, materials, 10.0), "x.yaml")]
-
-    def band(width: float) -> dict[str, Any]:
-        return {"name": f"b{width:g}", "band": {"edge": "a", "width": width}, "factors": {"W": 2}}
+        return [(finding.code, finding.key) for finding in without_lattice(job(regions=list(regions)))]
 
     assert found(band(3)) == [("region-without-lattice", "panels.p.regions.b3")]
     assert found(band(15)) == []
     assert found(band(15), {"name": "over", "polygon": square(0, 300), "factors": {"W": 2}}) == [("region-without-lattice", "panels.p.regions.b15")]
+
+
+def test_a_band_in_pieces_counts_by_its_widest_one() -> None:
+    """A dart 1.2 mm from the corner cuts a sliver off the band, which no element takes; at 3 mm one takes the rest of it, at 2 mm none."""
+    dart = {"name": "dart", "edge": "a", "at": {"mm": 11.2, "from": "a"}, "intake": 20, "length": 60}
+    cut = job(darts=[dart], regions=[band(3)])
+    assert len(cut.pattern.panels["p"].regions) == 2
+    assert without_lattice(cut) == []
+    (finding,) = without_lattice(job(darts=[dart], regions=[band(2)]))
+    assert float(finding.message.split("the region is ")[1].split(" mm wide")[0]) == pytest.approx(2.0, abs=0.15)
