@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import dataclasses
 from collections.abc import Callable
 from typing import Any
 
@@ -75,6 +76,12 @@ def test_twisted_seam() -> None:
     assert f"{far:.0f} and {far:.0f} mm apart; with one side turned around they would be {gap:.0f} and {gap:.0f}" in found[0].message
 
 
+def test_a_side_that_lies_higher_than_the_other_is_not_twisted() -> None:
+    """Turned around, one pair of points would be closer and the other one farther away."""
+    assert findings(lambda data: data["panels"]["back"]["placement"]["wrap"].update(height=700)) == []
+    assert findings(lambda data: data["panels"]["front"]["placement"]["wrap"].update(height=700)) == []
+
+
 def test_twisted_ring() -> None:
     """Two closed tubes, one above the other: where the ring between them begins and ends says nothing."""
 
@@ -107,17 +114,46 @@ def test_a_panel_above_or_below_its_part(height: float, off: bool) -> None:
     assert [finding.key for finding in found if finding.code == "placement-off-body"] == expected
 
 
+def test_another_part_where_the_panel_lies_is_not_its_own() -> None:
+    """A ball above the post, from 1100 to 1300 mm, is the head of that body."""
+    post, ball = body(), trimesh.creation.icosphere(subdivisions=2, radius=0.1)
+    vertices = np.concatenate([post.vertices, np.add(ball.vertices, [0.0, 1.2, 0.0])])
+    faces = indices(np.concatenate([post.faces, np.asarray(ball.faces) + len(post.vertices)]))
+    part = indices(np.repeat([0, 1], [len(post.faces), len(ball.faces)]))
+    headed = dataclasses.replace(post, vertices=vertices, faces=faces, part_names=("torso", "head"), face_part=part)
+    data = copy.deepcopy(TUBE)
+    data["panels"]["front"]["placement"]["wrap"]["height"] = 1110
+    pattern = draft(parse_spec(data, "tube.yaml"), {})
+    cloth = build_cloth(pattern, lambda _, points: np.zeros(len(points), dtype=np.int32), materials(0.2), GRID_MM)
+    (finding,) = check_reach(pattern, cloth, place_vertices(pattern, cloth, headed), headed, "tube.yaml")
+    assert "wrapped from 1110 to 1310 mm along 'torso', which goes from 0 to 1000 mm" in finding.message
+
+
 @pytest.mark.parametrize(
-    ("translation", "code"),
-    [([0, 400, 500], None), ([0, 40, 50], None), ([0, -120, 300], "panel-below-floor"), ([3000, 400, 300], "panel-far"), ([0, 2200, 0], "panel-far")],
+    ("translation", "code", "words"),
+    [
+        ([0, 400, 500], None, ""),
+        ([0, 40, 50], None, ""),
+        ([0, 400, 1050], None, ""),
+        ([0, 400, 1150], "panel-far", "starts 1050 mm away from post"),
+        ([0, 400, -1150], "panel-far", "starts 1050 mm away"),
+        ([1200, 400, 0], None, ""),  # its near side 950 mm away, its far side 1250 mm
+        ([1300, 400, 0], "panel-far", "starts 1050 mm away"),
+        ([0, -80, 300], None, ""),
+        ([0, -120, 300], "panel-below-floor", "starts 20 mm below the floor"),
+        ([3000, 400, 300], "panel-far", ""),
+        ([0, 2200, 0], "panel-far", "starts 1200 mm away"),
+    ],
 )
-def test_a_flat_panel_far_from_the_body_or_below_the_floor(translation: list[float], code: str | None) -> None:
+def test_a_flat_panel_far_from_the_body_or_below_the_floor(translation: list[float], code: str | None, words: str) -> None:
+    """The panel is 300 mm wide and 200 mm high, and stands upright on the middle of its lower edge."""
     data = copy.deepcopy(TUBE)
     data["panels"]["front"]["placement"] = {"transform": {"translation": translation}}
     pattern, mannequin = draft(parse_spec(data, "tube.yaml"), {}), body()
     cloth = build_cloth(pattern, lambda _, points: np.zeros(len(points), dtype=np.int32), materials(0.2), GRID_MM)
-    found = [(finding.code, finding.key) for finding in check_flat(pattern, cloth, place_vertices(pattern, cloth, mannequin), mannequin, "tube.yaml")]
-    assert found == ([] if code is None else [(code, "panels.front.placement.transform.translation")])
+    found = list(check_flat(pattern, cloth, place_vertices(pattern, cloth, mannequin), mannequin, "tube.yaml"))
+    assert [(finding.code, finding.key) for finding in found] == ([] if code is None else [(code, "panels.front.placement.transform.translation")])
+    assert all(words in finding.message for finding in found)
 
 
 def test_crossing_panels() -> None:
