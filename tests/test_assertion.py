@@ -9,7 +9,7 @@ import pytest
 from garmentcad.errors import SpecError
 from garmentcad.export.report import blank_report
 from garmentcad.pattern.garment_test import Expected, Tolerance
-from garmentcad.regression.assertion import expected_text, holds, judge, refuse_unknown_keys, values_at
+from garmentcad.regression.assertion import expected_text, holds, judge, means, refuse_unknown_keys, values_at
 
 REPORT = {
     "status": "converged",
@@ -27,6 +27,8 @@ REPORT = {
     ("value", "wanted", "passes"),
     [
         (612.4, Tolerance(value=612, tol=0.5), True),
+        (612.5, Tolerance(value=612, tol=0.5), True),
+        (611.5, Tolerance(value=612, tol=0.5), True),
         (612.6, Tolerance(value=612, tol=0.5), False),
         (611.4, Tolerance(value=612, tol=0.5), False),
         (None, Tolerance(value=612, tol=1e9), False),
@@ -69,6 +71,12 @@ def test_every_value_of_a_wildcard_is_judged_and_what_was_not_measured_left_out(
         ("strain_percent.warp.p99", True),
         ("strain_percent.weft.p99", True),
     ]
+
+
+def test_a_mean_over_reports_wants_a_number_in_each() -> None:
+    assert means([{"a": 1.0, "b": 1}, {"a": 4.0, "b": None}, {"a": 10.0, "b": 2}], "*") == {"a": 5.0, "b": None}
+    assert means([{"a": True}, {"a": 3}], "a") == {"a": None}
+    assert means([{"a": "converged"}], "a") == {"a": "converged"}
 
 
 def test_a_value_that_is_not_there_fails() -> None:
