@@ -8,6 +8,7 @@ import pytest
 
 from garmentcad.errors import FabricError, FileError, GarmentError
 from garmentcad.fabric.sheet import KesSheet
+from garmentcad.io.csv_table import read_table
 from garmentcad.io.kes_csv import KesCsv, read_kes_csv
 
 
@@ -58,6 +59,33 @@ def test_encodings(encoding: str, tmp_path: Path) -> None:
     assert [finding.message for finding in result.findings] == (["the file is not UTF-8; it was read as Windows-1252"] if encoding == "cp1252" else [])
 
 
+def test_a_byte_order_mark_before_a_quoted_header_is_no_part_of_it(tmp_path: Path) -> None:
+    assert numbers(read(tmp_path, '"weight, g/m2","B"\n"123.8","0.118"\n'.encode("utf-8-sig")).sheets[0]) == {"W": 12.38, "B.mean": 0.118}
+
+
+def test_signs_of_a_missing_value_are_blanks(tmp_path: Path) -> None:
+    (sheet,) = read(tmp_path, "name;W;B;G;T0;LT;RT;2HG;2HB\na;12;NA;n/a;nd;N.D.;–;—;-\n").sheets
+    assert numbers(sheet) == {"W": 12.0}
+
+
+@pytest.mark.parametrize(("lines", "found"), [(29, True), (30, False)])
+def test_a_header_is_looked_for_in_the_first_thirty_lines(lines: int, found: bool, tmp_path: Path) -> None:
+    text = "letterhead\n" * lines + "name;W\na;12\n"
+    if found:
+        assert numbers(read(tmp_path, text).sheets[0]) == {"W": 12.0}
+    else:
+        with pytest.raises(FileError, match="no header line"):
+            read(tmp_path, text)
+
+
+def test_the_cap_on_rows_counts_the_header(tmp_path: Path) -> None:
+    file = tmp_path / "ten.csv"
+    file.write_text("x,y\n" + "1,2\n" * 9)
+    assert len(read_table(file, len, "x, y", max_rows=10).rows) == 9
+    with pytest.raises(FileError, match="more than 9 rows"):
+        read_table(file, len, "x, y", max_rows=9)
+
+
 def test_two_fabrics_one_value_a_row(tmp_path: Path) -> None:
     result = read(tmp_path, "fabric,symbol,value\na,W,12\nb,W,20\na,B,0.1\nb,B,0.2\n")
     assert [(sheet.name, numbers(sheet)) for sheet in result.sheets] == [("a", {"W": 12.0, "B.mean": 0.1}), ("b", {"W": 20.0, "B.mean": 0.2})]
@@ -93,6 +121,7 @@ def test_rows_that_are_not_understood_are_reported(tmp_path: Path) -> None:
 BAD = [
     pytest.param("", FileError, "no header line", id="empty"),
     pytest.param("hello,world\n1,2\n", FileError, "no header line", id="no header"),
+    pytest.param("W\n12\n", FileError, "at least two known labels", id="one label"),
     pytest.param("name,W\n", FileError, "no fabric below the header on line 1", id="no rows"),
     pytest.param("name,W\na,nan\n", FabricError, "line 2, column 'W': 'nan' came for W", id="nan"),
     pytest.param("name,W\na,inf\n", FabricError, "'inf' came", id="inf"),
