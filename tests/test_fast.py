@@ -66,6 +66,11 @@ def test_shear_between_stiff_and_stretching_yarns() -> None:
     assert by_key({"EB5": 4.0})["G.mean"].how.endswith("yarns taken as stiff")
 
 
+def test_a_mean_extension_is_that_of_both_yarns_of_the_bias() -> None:
+    """Each of them takes 0.30 + 0.05 % at most of four times 4.0 - 0.05 %: 4.9033 N/m over 0.151 is 32.47 N/m."""
+    assert by_key({"EB5": 4.0, "E5.mean": 0.3, "E100.mean": 4.0})["G.mean"].high * TO_SI["G"] == pytest.approx(32.47, abs=0.01)
+
+
 def test_lengths_by_the_exact_elastica() -> None:
     """c = (B/(W g))^(1/3) is 17.2 mm for 10 uN.m and 200 g/m2; the strip overhangs 2.0004 c. Peirce's formula, 0.5093 of the overhang, gives 5.75 % more."""
     c_mm = 1000 * (1e-5 / 1.962) ** (1 / 3)
@@ -85,7 +90,9 @@ BAD = [
     ({"E5.warp": 1.0, "E20.warp": 2.0}, "E100.warp", "E100 is missing"),
     ({"E5.weft": 2.0, "E20.weft": 1.0, "E100.weft": 4.0}, "E100.weft", "a larger load cannot stretch less"),
     ({"EB5": 0.5, "E5.warp": 0.8, "E5.weft": 0.9, "E100.warp": 4.0, "E100.weft": 4.0}, "EB5", "no more than its yarns give"),
+    ({"EB5": 0.55, "E5.warp": 0.9, "E5.weft": 0.9, "E100.warp": 4.0, "E100.weft": 4.0}, "EB5", "no more than its yarns give"),
     ({"EB5": 0.0}, "EB5", "impossible"),
+    ({"W": 20.0, "C.warp": 150.0}, "C.warp", "impossible for bending length"),
 ]
 
 
