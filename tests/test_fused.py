@@ -40,8 +40,18 @@ def test_tension_is_what_a_tester_prints_of_two_layers_side_by_side(way: str) ->
     energy = np.trapezoid(both, strain)
     assert made.number(f"WT.{way}") == pytest.approx(energy, rel=1e-6)
     assert 2 * energy / (500.0 * em) == pytest.approx(made.number(f"LT.{way}"), rel=1e-6)
+    given = sum(np.trapezoid(force(layer, way, strain), strain) * layer.number(f"RT.{way}") for layer in (FABRIC, LIGHT))
+    assert made.number(f"RT.{way}") == pytest.approx(given / energy, rel=1e-6)  # each layer gives back its own share
     # one curve of the family stands for the sum of two: it has its ends and its energy
     assert np.abs(force(made, way, strain) - both).max() < 0.02 * 500.0
+
+
+def test_a_layer_that_was_tested_to_less_is_pulled_to_the_larger_force() -> None:
+    weak = sheet(W=4.0, T0=0.2, Fm=50.0, EMT=12.0)
+    for made in (fused(FABRIC, weak), fused(weak, FABRIC)):
+        assert made.number("Fm") == 500.0
+        strain = np.array([made.number("EMT.warp") / 100])
+        assert force(FABRIC, "warp", strain) + force(weak, "warp", strain) == pytest.approx(500.0, rel=1e-6)
 
 
 def test_bonded_layers_of_one_kind_are_a_plate_of_twice_the_thickness() -> None:
@@ -66,6 +76,8 @@ def test_factors_are_of_the_fabric_and_friction_too() -> None:
     assert made.number("G.weft") == pytest.approx(3 * 0.6 + 1.1)
     assert made.number("MIU.mean") == pytest.approx(0.2)
     assert made.name == "x + x"
+    wide = sheet(shear_window_deg=[0.5, 5.0])
+    assert fused(wide, LIGHT).shear_window_deg == wide.shear_window_deg != LIGHT.shear_window_deg == fused(LIGHT, wide).shear_window_deg
     row = material_row(FABRIC, {"W": 2.0, "G": 3.0}, LIGHT)
     assert row == material_row(made)
     assert row.areal_mass == pytest.approx(0.44)
