@@ -58,6 +58,7 @@ UNDERSTOOD = {
 }
 OF_FAST = {
     "Bending length weft (cm)": ("C.weft", 10.0),
+    "E5 %": ("E5.mean", 1.0),
     "C1 mm": ("C.warp", 1.0),
     "Bias extension, %": ("EB5", 1.0),
     "Cantilever length warp": ("overhang.warp", 1.0),
