@@ -117,7 +117,8 @@ def test_every_key_of_a_rule_is_tested() -> None:
     ],
 )
 def test_a_value_that_nothing_of_its_kind_was_measured_for_is_a_warning(given: dict[str, Any], key: str, severity: str) -> None:
-    assert [found.severity for found in complete(sheet_from({**BASE, **given})).findings if found.key == key and found.message.startswith("missing")] == [severity]
+    findings = complete(sheet_from({**BASE, **given})).findings
+    assert [found.severity for found in findings if found.key == key and found.message.startswith("missing")] == [severity]
 
 
 def test_rules_fill_every_gap_and_a_full_sheet_has_none() -> None:
