@@ -83,6 +83,19 @@ def test_worn_over_each_other(folder: Path, monkeypatch: pytest.MonkeyPatch) -> 
     assert (behind < 1.0).all()
 
 
+def test_nothing_is_put_on_over_what_was_not_sewn(folder: Path) -> None:
+    result = drape(folder / "outfit.yaml", grid_mm=30.0, max_time_s=0.02)
+    report = result.report
+    assert (report["status"], report["welds"], report["self_intersections"]) == ("max_time", 0, 0)
+    assert max(report["strain_percent"][way]["max"] for way in ("warp", "weft")) < 5.0, "an open seam is not pulled shut on the way to the next garment"
+    open_seams = [warning for warning in report["warnings"] if "did not close" in warning]
+    assert any("'band-side_left'" in warning for warning in open_seams)
+    assert len(open_seams) == len(set(open_seams))
+    assert [warning for warning in report["warnings"] if "worn below" in warning] == [
+        "what is worn below ended as max_time before its seams were closed; the outermost garment was only placed"
+    ]
+
+
 def _hit(eye: np.ndarray, place: np.ndarray, triangles: np.ndarray) -> float:
     """Least part of the way from eye to place, and beyond, at which it goes through one of triangles (T,3,3); infinite where through none."""
     sides = np.stack([triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0], np.broadcast_to(eye - place, triangles[:, 0].shape)], axis=2)

@@ -146,6 +146,14 @@ class RefinementError(GarmentError):
     """A finer lattice on the coarse one's shape would cross itself or the mannequin."""
 
 
+class UnsewnError(GarmentError):
+    """What is worn below ended before its seams were closed: nothing can be put on over that."""
+
+    def __init__(self, below: Outcome) -> None:
+        super().__init__(f"what is worn below ended as {below.status} before its seams were closed; the outermost garment was only placed")
+        self.below = below
+
+
 class _Run:
     """The levels of one run, from the coarsest lattice, which is placed and sewn, to that of the job."""
 
@@ -174,7 +182,11 @@ class _Run:
             if self.state is not None and self._untried:
                 refuse_shape(self.state, start if self.state.phase == "close" else cloth, len(flat.fold_names))
             if self.state is None or self.state.phase == "close":
-                failed = self._sew(flat, start, cloth, particle_map)
+                try:
+                    failed = self._sew(flat, start, cloth, particle_map)
+                except UnsewnError as error:
+                    self.warnings.append(str(error))
+                    failed = self._unsewn(flat, error.below)
                 if failed is not None:
                     return failed
             assert self.state is not None
@@ -236,18 +248,17 @@ class _Run:
             welding = close_seams(dynamics, self.state, self._hardware(start), self.keep, pull, self.job.max_time_s, sewing < SEWINGS)
         except (DivergedError, IntersectingError) as error:
             failed = error
+        self._add_up(dynamics.seconds)
         out_of_time = self.state.time_s >= self.job.max_time_s
         if (failed is not None or welding.open_seams) and sewing < SEWINGS and not out_of_time:
-            self._add_up(dynamics.seconds)
             self.state = self._placed_state(flat, start, sewing)
             return self._sew(flat, start, welded, particle_map)
         if failed is not None:
             self.warnings.append(str(failed))
-            return self._broken_off(flat, start, dynamics, failed.status)
+            return self._broken_off(flat, start, failed.status)
         if welding.open_seams and out_of_time:
             self.state.run |= welding.as_run()
-            return self._broken_off(flat, start, dynamics, "max_time")
-        self._add_up(dynamics.seconds)
+            return self._broken_off(flat, start, "max_time")
         self.state = weld_state(start, welded, particle_map, self.state)
         self.state.phase = "press" if flat.fold_names else "fall"
         self.state.run |= {"phase_from_s": self.state.time_s} | welding.as_run()
@@ -258,6 +269,7 @@ class _Run:
         """The panels of `flat` where they begin, for `start`, the same cloth with what is worn already sewn."""
         if self._placed is None:
             self._placed = _placed(self.job, flat, start, self._worn(flat), self.warnings)
+            refuse_tangled(start, self._placed, self.job.mannequin)
         jitter = np.random.default_rng([self.job.seed, sewing]).standard_normal(self._placed.shape)
         positions = self._placed + JITTER_M * jitter
         state = State(positions, np.zeros_like(positions), phase="close", fold_angles=np.zeros(len(flat.fold_names)))
@@ -268,17 +280,29 @@ class _Run:
         return state
 
     def _worn(self, flat: Cloth) -> dict[str, np.ndarray]:
-        """Where what is worn under the outermost garment of an outfit hangs: panel -> (V,3) m of its vertices. It is draped first, on this lattice."""
+        """Where what is worn under the outermost garment of an outfit hangs: panel -> (V,3) m of its vertices. It is draped first, on this lattice.
+        UnsewnError where that ends before it is sewn: where a seam is open, one place would stand for two."""
         if len(self.job.worn) < 2:
             return {}
         inner = replace(self.job, pattern=below(self.job.pattern), worn=self.job.worn[:-1], grid_mm=M_TO_MM * flat.spacing, poses=())
         outcome = run(inner, self.keep.watch)
         self.warnings += outcome.warnings
+        self._add_up(outcome.seconds)
+        if outcome.state.phase == "close":
+            raise UnsewnError(outcome)
         if outcome.status != "converged":
             self.warnings.append(f"what is worn below ended as {outcome.status} before the outermost garment was put on")
-        self._add_up(outcome.seconds)
-        hung = outcome.state.positions[outcome.cloth.vertex_particle]
-        return {name: hung[outcome.cloth.vertex_panel == number] for number, name in enumerate(outcome.cloth.panel_names)}
+        return _hung(outcome)
+
+    def _unsewn(self, flat: Cloth, below: Outcome) -> Outcome:
+        """The outcome of an outfit of which what is worn below was not sewn: that as it ended, and the outermost garment where it would begin."""
+        positions = _placed(self.job, flat, flat, _hung(below), self.warnings)
+        angles = np.zeros(len(flat.fold_names))
+        self.state = State(positions, np.zeros_like(positions), below.state.time_s, below.state.step, phase="close", fold_angles=angles)
+        dynamics, _ = make_dynamics(self.job, flat, self.materials, angles)
+        hold(dynamics, self.state, pin_rows(self._hardware(flat)))
+        self._begin(dynamics)
+        return self._outcome(flat, flat, dynamics, below.status)
 
     def _for_sewing(self) -> MaterialTable:
         """The materials while seams close: like card, but where something is worn already, whose folds would spring open."""
@@ -297,17 +321,17 @@ class _Run:
             press(dynamics, self.state, self.job, self.keep)
         except (DivergedError, IntersectingError) as error:
             self.warnings.append(f"while it was pressed: {error}")
-            return self._broken_off(flat, cloth, dynamics, error.status)
-        self._add_up(dynamics.seconds)
+            return self._broken_off(flat, cloth, error.status)
+        finally:
+            self._add_up(dynamics.seconds)
         # Contact starts anew: what it remembers belongs to other masses and another stiffness.
         self.state.contact, self.state.phase = {}, "fall"
         self.state.run |= {"phase_from_s": self.state.time_s}
         return None
 
-    def _broken_off(self, flat: Cloth, cloth: Cloth, dressing: Dynamics, status: str) -> Outcome:
+    def _broken_off(self, flat: Cloth, cloth: Cloth, status: str) -> Outcome:
         """The outcome of a run that ended while it was sewn or pressed: judged as the cloth that it is, by no law of sewing or of the iron."""
         assert self.state is not None
-        self._add_up(dressing.seconds)
         dynamics, _ = make_dynamics(self.job, cloth, self.materials, self.state.fold_angles)
         hold(dynamics, self.state, pin_rows(self._hardware(cloth)))
         if np.isfinite(self.state.positions).all():
@@ -395,8 +419,13 @@ def _placed(job: Job, cloth: Cloth, start: Cloth, worn: dict[str, np.ndarray], w
     positions = move_panels(cloth, positions, moves)
     placed = np.empty((start.particle_count, 3))
     placed[start.vertex_particle] = positions
-    refuse_tangled(start, placed, job.mannequin)
     return placed
+
+
+def _hung(outcome: Outcome) -> dict[str, np.ndarray]:
+    """Where the vertices (V,3) m of each panel ended."""
+    ends = outcome.state.positions[outcome.cloth.vertex_particle]
+    return {name: ends[outcome.cloth.vertex_panel == number] for number, name in enumerate(outcome.cloth.panel_names)}
 
 
 def _with_worn(positions: np.ndarray, cloth: Cloth, worn: dict[str, np.ndarray]) -> np.ndarray:
