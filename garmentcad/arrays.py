@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
 from typing import Any
@@ -115,33 +115,48 @@ def chunk_range(chunk, count):  # type: ignore[no-untyped-def]
     return chunk * count // CHUNKS, (chunk + 1) * count // CHUNKS
 
 
+_APART = threading.Lock()
+
+
 @contextmanager
 def threads_apart() -> Iterator[None]:
     """Keeps the calling thread on one processor and all others of this process off it, where the kernels use every processor that the process may use.
+    Threads that their owner keeps to fewer processors stay there. Of several runs in threads of one process, one is kept apart: what each puts back
+    would else be what another had set.
 
     The system else leaves two threads that wait for each other on one processor for seconds at a time, and a run takes twice as long now and then.
     """
     can = hasattr(os, "sched_setaffinity")
     allowed = os.sched_getaffinity(0) if can else set()
-    if len(allowed) < 2 or get_num_threads() < len(allowed):
+    if len(allowed) < 2 or get_num_threads() < len(allowed) or not _APART.acquire(blocking=False):
         yield
         return
-    mine = threading.get_native_id()
-    first = min(allowed)
-    others = [int(name) for name in os.listdir("/proc/self/task") if int(name) != mine]
-
-    def place(thread: int, processors: set[int]) -> None:
-        with suppress(OSError):  # a thread that has ended
-            os.sched_setaffinity(thread, processors)
-
-    place(mine, {first})
-    for other in others:
-        place(other, allowed - {first})
+    mine, first = threading.get_native_id(), min(allowed)
+    here = _threads()
+    owned = {thread for thread, processors in here.items() if processors != allowed}
+    _place(here.keys() - owned - {mine}, allowed - {first})
+    _place({mine}, {first})
     try:
         yield
     finally:
-        for thread in (mine, *others):
-            place(thread, allowed)
+        # Threads that began in the meantime, too: a thread begins where the one is that starts it.
+        _place(_threads().keys() - owned, allowed)
+        _APART.release()
+
+
+def _threads() -> dict[int, set[int]]:
+    """The processors of each thread of this process."""
+    found = {}
+    for name in os.listdir("/proc/self/task"):
+        with suppress(OSError):  # a thread that has ended
+            found[int(name)] = os.sched_getaffinity(int(name))
+    return found
+
+
+def _place(threads: Iterable[int], processors: set[int]) -> None:
+    for thread in threads:
+        with suppress(OSError):
+            os.sched_setaffinity(thread, processors)
 
 
 def floats(values: Any) -> np.ndarray:

@@ -1,0 +1,78 @@
+"""The door to the kernels leaves the process of its caller as it was."""
+
+from __future__ import annotations
+
+import os
+import threading
+
+import pytest
+
+from garmentcad import arrays
+from garmentcad.arrays import threads_apart
+
+ALL = {0, 1, 2, 3}
+
+
+@pytest.fixture
+def processors(monkeypatch: pytest.MonkeyPatch) -> dict[int, set[int]]:
+    """Those of each thread, as on a machine with four and as many threads of kernels."""
+    placed: dict[int, set[int]] = {}
+
+    def get(thread: int) -> set[int]:
+        return set(placed.get(thread or threading.get_native_id(), ALL))
+
+    monkeypatch.setattr(os, "sched_getaffinity", get, raising=False)
+    monkeypatch.setattr(os, "sched_setaffinity", lambda thread, chosen: placed.update({thread: set(chosen)}), raising=False)
+    monkeypatch.setattr(os, "listdir", lambda folder: [str(thread.native_id) for thread in threading.enumerate()])
+    monkeypatch.setattr(arrays, "get_num_threads", lambda: 4)
+    return placed
+
+
+class Waiting(threading.Thread):
+    """A thread that does nothing until it is let go."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.free = threading.Event()
+        self.start()
+
+    def run(self) -> None:
+        self.free.wait()
+
+    def end(self) -> None:
+        self.free.set()
+        self.join()
+
+
+def test_threads_go_back_to_where_their_owner_has_them(processors: dict[int, set[int]]) -> None:
+    pinned, other, mine = Waiting(), Waiting(), threading.get_native_id()
+    processors[pinned.native_id or 0] = {2}
+    with threads_apart():
+        assert (processors[mine], processors[other.native_id or 0], processors[pinned.native_id or 0]) == ({0}, {1, 2, 3}, {2})
+        late = Waiting()
+        processors[late.native_id or 0] = {0}  # as the thread that started it
+    assert [processors[thread] for thread in (mine, other.native_id or 0, late.native_id or 0)] == [ALL, ALL, ALL]
+    assert processors[pinned.native_id or 0] == {2}
+    for thread in (pinned, other, late):
+        thread.end()
+
+
+def test_runs_in_two_threads_leave_no_processor_unused(processors: dict[int, set[int]]) -> None:
+    go, entered, leave, mine = threading.Event(), threading.Event(), threading.Event(), threading.get_native_id()
+
+    def second() -> None:
+        go.wait()
+        with threads_apart():
+            entered.set()
+            leave.wait()
+
+    beside = threading.Thread(target=second)
+    beside.start()
+    with threads_apart():
+        go.set()
+        entered.wait()
+    leave.set()
+    beside.join()
+    assert (processors[mine], processors[beside.native_id or 0]) == (ALL, ALL)
+    with threads_apart():
+        assert processors[mine] == {0}, "the next run is kept apart again"
