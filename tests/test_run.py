@@ -15,6 +15,8 @@ import numpy as np
 import pytest
 import trimesh
 
+from garmentcad.simulation.run import _stop_signal
+
 GRID = "20"
 
 
@@ -99,6 +101,14 @@ def test_stopped_and_resumed_ends_in_the_same_bits(draped: tuple[Path, dict], tm
     resumed = report_of(tmp_path, "--resume")
     assert resumed["state_sha256"] == report["state_sha256"]
     assert not (tmp_path / "checkpoint.npz").exists()
+
+
+def test_ctrl_c_stays_with_a_program_that_handles_it_without_python(monkeypatch: pytest.MonkeyPatch) -> None:
+    before = signal.getsignal(signal.SIGINT)
+    monkeypatch.setattr(signal, "getsignal", lambda number: None)
+    with _stop_signal() as stopped:
+        assert signal.signal(signal.SIGINT, before) is before
+    assert not stopped
 
 
 def test_a_checkpoint_of_another_run_is_refused(draped: tuple[Path, dict], tmp_path: Path) -> None:  # type: ignore[type-arg]

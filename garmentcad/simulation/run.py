@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import signal
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -456,7 +457,8 @@ class _Keeper:
 
 @contextmanager
 def _stop_signal() -> Iterator[list[int]]:
-    """Ctrl-C sets a flag instead of tearing a step apart; a second one stops at once. Outside the main thread signals are left alone."""
+    """Ctrl-C sets a flag instead of tearing a step apart; a second one stops at once. Outside the main thread signals are left alone, and in a program that
+    handles them without Python: what it has set could not be put back."""
     stopped: list[int] = []
 
     def note(number: int, frame: FrameType | None) -> None:
@@ -464,11 +466,11 @@ def _stop_signal() -> Iterator[list[int]]:
             raise KeyboardInterrupt
         stopped.append(number)
 
-    try:
-        before = signal.signal(signal.SIGINT, note)
-    except ValueError:
+    before = signal.getsignal(signal.SIGINT)
+    if before is None or threading.current_thread() is not threading.main_thread():
         yield stopped
         return
+    signal.signal(signal.SIGINT, note)
     try:
         yield stopped
     finally:
