@@ -11,7 +11,7 @@ import numpy as np
 from garmentcad.cloth.state import State
 from garmentcad.contact.path import BodyPath
 from garmentcad.mannequin.motion import KeyFrame, motion
-from garmentcad.simulation.course import AIR_DRAG, Progress
+from garmentcad.simulation.course import AIR_DRAG, Progress, advance_or_retreat
 from garmentcad.simulation.run import Outcome, make_dynamics
 from garmentcad.simulation.sewing import hold
 from garmentcad.solve.dynamics import STEPS_PER_ESTIMATE, DivergedError, IntersectingError
@@ -38,6 +38,7 @@ class Movement:
 
 def move(outcome: Outcome, frames: Sequence[KeyFrame], look: Callable[[Progress], None]) -> Movement:
     """Follow key frames from the state at rest of `outcome`, which stays as it is: true masses, air drag, no help of drape mode.
+    Where motion runs away steps become shorter, as while the garment was draped, and from there on they are as short as that took.
 
     MannequinError for a body that cannot be posed, or a pose that is refused.
     """
@@ -64,7 +65,7 @@ def move(outcome: Outcome, frames: Sequence[KeyFrame], look: Callable[[Progress]
                 break
             dynamics.estimate_time_step(state)
             left = min(len(kept) / FRAMES_PER_S, end) - now
-            dynamics.advance(state, max(1, min(STEPS_PER_ESTIMATE, int(np.ceil(left / state.time_step_s)))))
+            advance_or_retreat(dynamics, state, max(1, min(STEPS_PER_ESTIMATE, int(np.ceil(left / state.time_step_s)))))
     except (DivergedError, IntersectingError) as error:
         status, warning = error.status, f"after {state.time_s - began:.2f} s of the movement: {error}"
         kept.append((state.time_s - began, state.positions.copy(), path.at(state.time_s)))

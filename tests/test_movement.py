@@ -1,0 +1,33 @@
+"""A garment that follows a movement, without a whole drape: what the loop does when motion runs away."""
+
+from __future__ import annotations
+
+import pytest
+
+from garmentcad.cloth.state import State
+from garmentcad.mannequin.motion import KeyFrame, Pose
+from garmentcad.simulation import movement
+from garmentcad.simulation.job import make_job
+from garmentcad.simulation.run import run
+from garmentcad.solve.dynamics import DivergedError, Dynamics
+
+
+def test_a_movement_that_runs_away_goes_on_with_shorter_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    outcome = run(make_job("straight-skirt", grid_mm=50.0, max_time_s=0.9), lambda progress: None)
+    outcome.state.run["step_factor"] = 0.5  # what the drape took
+    factors: list[float] = []
+    advance = Dynamics.advance
+
+    def run_away_once(self: Dynamics, state: State, steps: int) -> None:
+        factors.append(self.step_factor)
+        advance(self, state, steps)
+        if len(factors) == 2:
+            raise DivergedError(self.cloth, self.cloth.stitches[:0], "ran", state)
+
+    monkeypatch.setattr(movement, "HOLD_S", 0.01)
+    monkeypatch.setattr(Dynamics, "advance", run_away_once)
+    moved = movement.move(outcome, [KeyFrame(0.1, Pose(turn=2.0))], lambda progress: None)
+    assert (moved.status, moved.warning) == ("moved", None)
+    assert (factors[:2], set(factors[2:])) == ([0.5, 0.5], {0.25})
+    assert (moved.times_s[1:] > moved.times_s[:-1]).all()
+    assert outcome.state.run["step_factor"] == 0.5, "the outcome stays as it is"
