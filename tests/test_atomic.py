@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import threading
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from typing import BinaryIO
 
 import pytest
 
@@ -38,3 +41,23 @@ def test_a_place_that_cannot_be_written_is_named(tmp_path: Path) -> None:
     with pytest.raises(FileError, match="folder"):
         write_atomic(tmp_path / "folder", "")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "folder"]
+
+
+def test_two_threads_may_write_the_same_file(tmp_path: Path) -> None:
+    path, inside, go_on = tmp_path / "state.npz", threading.Event(), threading.Event()
+
+    def slowly(file: BinaryIO) -> None:
+        file.write(b"a" * 5)
+        inside.set()
+        go_on.wait()
+        file.write(b"a" * 5)
+
+    with ThreadPoolExecutor(1) as beside:
+        written = beside.submit(write_atomic, path, slowly)
+        inside.wait()
+        write_atomic(path, b"b")
+        now = path.read_bytes()
+        go_on.set()
+    assert (now, written.result()) == (b"b", path)
+    assert path.read_bytes() == b"a" * 10
+    assert [left.name for left in tmp_path.iterdir()] == ["state.npz"]

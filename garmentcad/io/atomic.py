@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import threading
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
@@ -18,7 +19,7 @@ def write_atomic(path: str | Path, content: bytes | str | Callable[[BinaryIO], N
     stood at `path` stays as it was and nothing is left beside it. Missing folders are made. Raises FileError where the folder cannot be written.
     """
     path = Path(path)
-    temporary = _temporary(path, str(os.getpid()))
+    temporary = _temporary(path, f"{os.getpid()}-{threading.get_native_id()}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with open(temporary, "wb") as file:
