@@ -82,6 +82,21 @@ def test_a_side_that_lies_higher_than_the_other_is_not_twisted() -> None:
     assert findings(lambda data: data["panels"]["front"]["placement"]["wrap"].update(height=700)) == []
 
 
+def test_a_side_of_two_edges_is_measured_along_both() -> None:
+    """The front's right side falls into two edges of 50 and 150 mm; its quarters lie where they lay on the whole one."""
+
+    def split(data: dict[str, Any]) -> None:
+        front = data["panels"]["front"]
+        front["points"]["e"] = [150, 150]
+        front["edges"][1:2] = [{"name": "low", "from": "b", "to": "e"}, {"name": "high", "from": "e", "to": "c"}]
+        data["seams"][0].update(a=["front.high.c", "front.low.b"], b=["back.left.a", "back.left.d"])
+
+    (found,) = findings(split)
+    gap = 2 * 130 * np.cos(150 / 130)
+    far = np.hypot(gap, 100)
+    assert f"{far:.0f} and {far:.0f} mm apart; with one side turned around they would be {gap:.0f} and {gap:.0f}" in found.message
+
+
 def test_twisted_ring() -> None:
     """Two closed tubes, one above the other: where the ring between them begins and ends says nothing."""
 
@@ -164,7 +179,15 @@ def test_crossing_panels() -> None:
     assert "crosses panel back in" in crossing[0].message
 
 
-@pytest.mark.parametrize(("offset", "severity"), [(-30, "error"), (-5, "warning")])
+def test_a_panel_that_is_wrapped_around_more_than_once_crosses_itself() -> None:
+    """900 mm around a circle of 130 mm in radius, which measures 817 mm."""
+    wide = {"a": [-450, 0], "b": [450, 0], "c": [450, 200], "d": [-450, 200]}
+    (crossing,) = findings(lambda data: data["panels"].pop("back") and (data["panels"]["front"].update(points=wide), data.update(seams=[])))
+    assert (crossing.code, crossing.severity, crossing.key) == ("placement-crossing", "error", "panels.front.placement")
+    assert "crosses itself in" in crossing.message
+
+
+@pytest.mark.parametrize(("offset", "severity"), [(-30, "error"), (-12, "error"), (-9, "warning"), (-5, "warning")])
 def test_panel_inside_the_body(offset: float, severity: str) -> None:
     found = findings(lambda data: data["panels"]["front"]["placement"]["wrap"].update(offset=offset) or data.update(seams=[]))
     assert [(finding.code, finding.key, finding.severity) for finding in found] == [("panel-inside-body", "panels.front.placement", severity)]
