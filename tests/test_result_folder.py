@@ -221,6 +221,10 @@ def test_files_of_different_runs_are_refused(tmp_path: Path) -> None:
     [
         ('"schema": 1', '"schema": 99', "schema: 99 came; this version reads 1"),
         ('"garment": "tube"', '"garment": null', "garment: a text is wanted, came nothing"),
+        ('"fabric": "denim"', '"fabric": 3', "fabric: a text is wanted, came 3"),
+        ('"mannequin": "cylinder"', '"mannequin": null', "mannequin: a text is wanted, came nothing"),
+        ('"grid_mm": 20.0', '"grid_mm": 0', "grid_mm: a number of mm is wanted, came 0"),
+        ('"grid_mm": 20.0', '"grid_mm": true', "grid_mm: a number of mm is wanted, came true"),
         ('"status": "converged"', '"state": "converged"', "status: a text is wanted"),
         ('"grid_mm": 20.0', '"grid_mm": "20"', "grid_mm: a number of mm is wanted, came '20'"),
         ('"grid_mm": 20.0', '"grid_mm": null', "grid_mm: a number of mm"),
@@ -246,6 +250,13 @@ def test_a_report_that_is_none_is_refused(tmp_path: Path, old: str, new: str, me
         ("triangles", lambda array: array.astype(float), "triangles came as float64"),
         ("triangles", lambda array: array[:, :2], r"triangles came as int32 \(320, 2\)"),
         ("triangles", lambda array: array + 1000, "triangles points outside 0..197"),
+        ("triangles", lambda array: np.where(array == 197, array + 1, array), "triangles points outside 0..197"),
+        ("panel_layer", lambda array: np.zeros(3, int), r"panel_layer \(panels,\) are wanted"),
+        ("vertex_panel", lambda array: np.full_like(array, 2), "vertex_panel points outside 0..1"),
+        ("stitch_seam", lambda array: np.array([9]), "stitch_seam points outside"),
+        ("hinges.corners", lambda array: np.full((1, 4), 10**6), "hinges.corners points outside"),
+        ("triangle_material", lambda array: array[:-1], "triangle_material has 319 rows for 320 triangles"),
+        ("masses", lambda array: array[:, None], r"masses \(P,\)"),
         ("vertex_particle", lambda array: array[:-1], "vertex_particle has 197 rows for 198 vertices"),
         ("vertex_uv_mm", lambda array: array.astype(str), "vertex_uv_mm came as <U"),
         ("masses", lambda array: np.full_like(array, np.nan), "masses is not finite"),
@@ -271,6 +282,20 @@ def test_a_map_of_no_numbers_is_refused(tmp_path: Path, values: np.ndarray) -> N
     np.savez(tmp_path / "maps.npz", strain=values)
     with pytest.raises(FileError, match=r"maps\.npz: strain came as .*; finite numbers are wanted"):
         read_result_folder(tmp_path)
+
+
+@pytest.mark.usefixtures("no_view")
+def test_a_map_of_another_cloth_is_refused(tmp_path: Path) -> None:
+    write_result_folder(tmp_path, result(), {})
+    np.savez(tmp_path / "maps.npz", strain=np.zeros(179))
+    with pytest.raises(FileError, match=r"maps\.npz: strain has shape \(179,\) where cloth\.npz has 180 particles"):
+        read_result_folder(tmp_path)
+
+
+def test_a_file_in_place_of_the_folder_is_refused(tmp_path: Path) -> None:
+    path = write_report(tmp_path / "report.json", result().report)
+    with pytest.raises(FileError, match=r"report\.json: is a file; the folder of a finished drape is wanted"):
+        read_report(path)
 
 
 @pytest.mark.usefixtures("no_view")
