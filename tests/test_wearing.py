@@ -82,11 +82,19 @@ def band(
         seams += joints if joined else []
         sewn = len(seams)
     panels = {name: {**panel, "placement": placement} for name, placement in placed.items()} | more.pop("panels", {})
-    zips: list[dict[str, Any]] = []
+    closures: list[dict[str, Any]] = more.pop("buttons", [])
     if closed is not None:
         first = seams.pop(0)
-        zips.append({"name": first["name"], "zip": {"a": first["a"], "b": first["b"]}, "closed": closed})
-    spec = {"name": "band", "fabric": fabric, "mannequin": "x", "panels": panels, "seams": [*seams[:sewn], *more.pop("joints", [])], "closures": zips, **more}
+        closures = [*closures, {"name": first["name"], "zip": {"a": first["a"], "b": first["b"]}, "closed": closed}]
+    spec = {
+        "name": "band",
+        "fabric": fabric,
+        "mannequin": "x",
+        "panels": panels,
+        "seams": [*seams[:sewn], *more.pop("joints", [])],
+        "closures": closures,
+        **more,
+    }
     pattern = draft(parse_spec(spec, "band.yaml"), {})
     table, material_of = lay_out_sheets(pattern, {fabric: load_fabric(fabric_path(fabric)).sheet})
     cloth = build_cloth(pattern, material_of, table, 15.0)
@@ -110,7 +118,7 @@ def test_a_band_that_does_not_pass_the_bust() -> None:
 
 def test_no_closure_is_missing() -> None:
     assert band(905.0, "wool-suiting") == []  # wide enough
-    assert [finding.code for finding in band(760.0, "wool-suiting", sewn=1)] == ["holds-nowhere"]  # open at one side
+    assert [(finding.code, finding.key) for finding in band(760.0, "wool-suiting", sewn=1)] == [("holds-nowhere", "panels")]  # open at one side
     assert band(760.0, "interlock-knit") == []  # stretches
     assert [finding.code for finding in band(760.0, "interlock-knit", grain=90.0)] == ["closure-missing"]  # but not along its wales
 
@@ -128,6 +136,10 @@ def test_a_part_that_holds_nowhere_is_found_beside_one_that_holds() -> None:
     assert finding.message.startswith("pocket: not sewn to the rest")
     pinned = {"name": "peg", "at": "pocket.a", "point": [0, 900, 300]}
     assert band(905.0, "wool-suiting", panels={"pocket": pocket}, pins=[pinned]) == []
+    button = {"name": "button", "button": "pocket.a", "buttonhole": "front.d"}
+    belt = {"name": "belt", "along": [["pocket.a", "pocket.b"]], "length": 900, "stiffness": 9}
+    for more in ({"buttons": [button]}, {"belts": [belt]}):
+        assert band(905.0, "wool-suiting", panels={"pocket": pocket}, **more) == []
     (both,) = band(905.0, "wool-suiting", panels={"pocket": pocket, "flap": flap}, joints=[seam])
     assert both.message.startswith("pocket, flap: ")
     assert band(905.0, "wool-suiting", panels={"pocket": pocket, "flap": flap}, joints=[seam], pins=[pinned]) == []
@@ -150,6 +162,9 @@ def test_a_ring_that_is_too_small_for_the_body() -> None:
     error = next(finding for finding in band(600.0, "wool-suiting") if finding.code == "ease-impossible")
     assert error.severity == "error"
     assert "the garment measures 600 mm and the body 700 mm: it has to stretch by 16." in error.message
+    pull = 5.9e3 * 0.7 / (2.0 * math.pi)  # Laplace: pressure times radius
+    gives = 100.0 * extension(material_table([row]), 0, 0.0, pull)
+    assert float(re.findall(r", ([\d.]+) % at the largest pressure", error.message)[0]) == pytest.approx(gives, abs=0.1)
     assert "ease-impossible" not in [finding.code for finding in band(600.0, "interlock-knit")]
 
 
@@ -157,6 +172,18 @@ def test_panels_go_where_their_seams_pull_them() -> None:
     """A band of 760 mm fits at 1.05 m and not at 0.85 m: that it is laid there says nothing as long as its seam stands so far open."""
     assert "ease-impossible" in [finding.code for finding in band(760.0, "wool-suiting", below=140.0, joined=False)]
     assert "ease-impossible" not in [finding.code for finding in band(760.0, "wool-suiting", below=140.0)]
+
+
+def test_a_band_slips_to_no_place_that_is_a_hand_away() -> None:
+    """Laid at 0.89 m, where the body measures 940 mm, a band of 760 mm would have to go up to 1.01 m."""
+    found = {finding.code: finding for finding in band(760.0, "wool-suiting", below=100.0, joined=False)}
+    girth = float(re.findall(r"the body (\d+) mm", found["ease-impossible"].message)[0])
+    assert girth == pytest.approx(917.0, abs=31.0)  # at 0.905 m, 45 mm above its lower edge, the worst place; levels are 20 mm apart
+
+
+@pytest.mark.parametrize(("short", "codes"), [(15.0, ["closure-missing"]), (-4.0, [])])
+def test_a_band_that_is_a_little_too_small_for_the_bust_is_told(short: float, codes: list[str]) -> None:
+    assert [finding.code for finding in band((BUST - short) / (1.0 + emt_weft("wool-suiting")), "wool-suiting")] == codes
 
 
 def test_openings_of_a_tube() -> None:
