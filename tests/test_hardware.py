@@ -142,8 +142,19 @@ RING = [["right.belt_front", "right.belt_back"], ["left.belt_back", "left.belt_f
         ({"pins": [{"name": "p", "at": "left.centre", "landmark": "inside", "offset": [0, 900, 0]}]}, [("warning", "pin-far", "pins.p.landmark")]),
         *(
             ({"belts": [{"name": "b", "along": RING, "length": length, "stiffness": 9}]}, [("warning", "belt-length", "belts.b.length")] if wrong else [])
-            for length, wrong in ((1, True), ("waist / 10", True), ("waist / 2", False), ("waist", False), (2200, False), ("10 * waist", True))
+            for length, wrong in (
+                (1, True),
+                ("waist / 10", True),
+                (245, True),
+                (260, False),
+                ("waist / 2", False),
+                ("waist", False),
+                (2200, False),
+                (2300, True),
+                ("10 * waist", True),
+            )  # fmt: skip
         ),
+        ({"belts": [{"name": "b", "along": [["left.low", "left.high"]], "length": "waist", "stiffness": 9}]}, []),  # 60 mm of it on the cloth
         ({"elastics": [{"name": "e", "along": RING, "ratio": 0.5, "stiffness": 9}]}, []),
     ],
 )
@@ -197,6 +208,15 @@ def test_a_button_on_a_sewn_corner_holds_nothing_and_is_told() -> None:
     (finding,) = check_hardware(made.pattern, flat, place_vertices(made.pattern, flat, BODY), materials, BODY)
     assert (finding.severity, finding.code, finding.remedy) == ("warning", "redundant-constraints", "Leave it out, or move one of its points.")
     assert finding.message == "button and buttonhole of 'button' are one point once the seams are closed: it holds nothing"
+
+
+def test_hardware_that_a_run_would_refuse_is_an_error_of_the_check() -> None:
+    made = job(lambda data: data.update(pins=[{"name": "p", "at": "left.low", "landmark": "frond"}]), grid_mm=30.0)
+    materials, material_of = lay_out(made)
+    flat = build_cloth(made.pattern, material_of, materials, 30.0)
+    (finding,) = check_hardware(made.pattern, flat, place_vertices(made.pattern, flat, BODY), materials, BODY, "tube.yaml")
+    assert (finding.severity, finding.file) == ("error", "tube.yaml")
+    assert "no landmark 'frond'; did you mean 'front'" in finding.message
 
 
 def test_a_pin_to_a_landmark_stands_clear_of_the_body() -> None:
