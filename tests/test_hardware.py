@@ -152,7 +152,7 @@ RING = [["right.belt_front", "right.belt_back"], ["left.belt_back", "left.belt_f
                 (2200, False),
                 (2300, True),
                 ("10 * waist", True),
-            )  # fmt: skip
+            )
         ),
         ({"belts": [{"name": "b", "along": [["left.low", "left.high"]], "length": "waist", "stiffness": 9}]}, []),  # 60 mm of it on the cloth
         ({"elastics": [{"name": "e", "along": RING, "ratio": 0.5, "stiffness": 9}]}, []),

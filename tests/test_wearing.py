@@ -85,7 +85,7 @@ def band(
     closures: list[dict[str, Any]] = more.pop("buttons", [])
     if closed is not None:
         first = seams.pop(0)
-        closures = [*closures, {"name": first["name"], "zip": {"a": first["a"], "b": first["b"]}, "closed": closed}]
+        closures.append({"name": first["name"], "zip": {"a": first["a"], "b": first["b"]}, "closed": closed})
     spec = {
         "name": "band",
         "fabric": fabric,
