@@ -10,7 +10,7 @@ import threading
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from functools import cache
-from typing import Any
+from typing import Any, NoReturn
 
 # Between the parallel regions of a step a waiting thread spins. One that sleeps costs about 100 us a region to wake, and may wake on the other thread's core
 # (a step then takes as long as on one thread); on a busy machine spinning loses more, but there two threads lose anyway. Read when the first region starts.
@@ -178,6 +178,18 @@ def frozen(array: np.ndarray) -> np.ndarray:
     """The same array, read-only."""
     array.setflags(write=False)
     return array
+
+
+class FrozenDict(dict[Any, Any]):
+    """A mapping that many hold and nobody changes for the others; it can be copied and pickled, and `dict(it)` is one that may be changed."""
+
+    def _refuse(self, *_: Any, **__: Any) -> NoReturn:
+        raise TypeError("this mapping is shared and read-only; dict(...) of it may be changed")
+
+    __setitem__ = __delitem__ = __ior__ = clear = pop = popitem = setdefault = update = _refuse
+
+    def __reduce__(self) -> Any:
+        return FrozenDict, (dict(self),)
 
 
 def rows_by_key(keys: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:

@@ -1,5 +1,10 @@
 """Mannequins from YAML files and scans, and what is refused."""
 
+import copy
+import operator
+import pickle
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import trimesh
@@ -39,20 +44,33 @@ def test_a_body_file_is_read_as_it_is_now(tmp_path, monkeypatch):
     assert heights[1] == pytest.approx(1.1 * heights[0])
 
 
-def test_who_changes_a_shipped_body_changes_his_own():
+def test_nobody_changes_a_shipped_body_for_others():
     body = read_mannequin("woman-88")
-    body.measurements_mm["bust"] = 0.0
-    body.landmarks.clear()
-    with pytest.raises(ValueError, match="read-only"):
-        body.cylinders["torso"].origin[:] = 1.0
-    body.cylinders.clear()
-    again = read_mannequin("woman-88")
-    assert again.measurements_mm["bust"] == pytest.approx(880.0, abs=0.1)
-    assert "nape" in again.landmarks
-    assert "torso" in again.cylinders
-    assert again.vertices is body.vertices
-    with pytest.raises(ValueError, match="read-only"):
-        again.landmarks["nape"][0] = 1.0
+    assert read_mannequin("woman-88") is body
+    changes = (
+        lambda: body.measurements_mm.update(bust=0.0), lambda: body.measurements_mm.pop("bust"), body.landmarks.clear,
+        lambda: body.cylinders.setdefault("tail", body.cylinders["torso"]), lambda: operator.setitem(body.landmarks, "nape", np.zeros(3)),
+        lambda: operator.delitem(body.landmarks, "nape"), lambda: operator.ior(body.measurements_mm, {"bust": 0.0}), body.cylinders.popitem,
+    )  # fmt: skip
+    for change in changes:
+        with pytest.raises(TypeError, match="shared and read-only"):
+            change()
+    for array in (body.landmarks["nape"], body.cylinders["torso"].origin, body.vertices):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1.0
+    assert body.measurements_mm["bust"] == pytest.approx(880.0, abs=0.1)
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda body: pickle.loads(pickle.dumps(body))], ids=["copied", "pickled"])
+def test_a_shipped_body_goes_to_other_processes(copied):
+    body = read_mannequin("woman-88")
+    other = copied(body)
+    assert other.measurements_mm == body.measurements_mm
+    assert other.landmarks.keys() == body.landmarks.keys()
+    np.testing.assert_array_equal(other.vertices, body.vertices)
+    own = replace(body, measurements_mm=dict(body.measurements_mm))
+    own.measurements_mm["bust"] = 0.0
+    assert body.measurements_mm["bust"] > 0.0
 
 
 def test_arm_angle_in_a_file(tmp_path):

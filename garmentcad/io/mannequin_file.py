@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field
 
-from garmentcad.arrays import frozen
+from garmentcad.arrays import FrozenDict, frozen
 from garmentcad.errors import FileError, MannequinError, did_you_mean
 from garmentcad.io.garmentcode_body import is_garmentcode_body, mannequin_of_body
 from garmentcad.io.mesh_file import MESH_ENDINGS, read_mesh
@@ -56,7 +56,7 @@ def mannequin_names() -> list[str]:
 def read_mannequin(name_or_path: str | Path) -> Mannequin:
     """A mannequin from a shipped name (woman-88), a YAML file of measurements (this program's or GarmentCode's), or an OBJ, PLY, STL or GLB scan.
 
-    Shipped bodies are made once in a process (0.8 s each), and their arrays are read-only; any other file is read anew each time: it may have changed.
+    Shipped bodies are made once in a process (0.8 s each) and are read-only; any other file is read anew each time: it may have changed.
     FileError, MannequinError or MeshError (with file and key) when it is refused.
     """
     text = str(name_or_path)
@@ -66,20 +66,17 @@ def read_mannequin(name_or_path: str | Path) -> Mannequin:
     if suffix not in (".yaml", ".yml", "") or (suffix == "" and "/" in text):
         raise FileError(f"the ending {suffix!r} is not that of a mannequin; allowed: .yaml, {', '.join(MESH_ENDINGS)}", file=text)
     path = Path(text) if suffix else shipped_file("mannequins", text)
-    if path.parent == shipped_folder("mannequins"):
-        body = _shipped(path)
-        return replace(body, measurements_mm=dict(body.measurements_mm), landmarks=dict(body.landmarks), cylinders=dict(body.cylinders))
-    return _read(path, text)
+    return _shipped(path) if path.parent == shipped_folder("mannequins") else _read(path, text)
 
 
 @functools.lru_cache(maxsize=8)
 def _shipped(path: Path) -> Mannequin:
-    """A body for many askers, who could else change it for each other."""
+    """A body for many askers, read-only: they could else change it for each other. It stays one object, by which others keep what they find out about it."""
     body = _read(path, str(path))
     axes = [axis for cylinder in body.cylinders.values() for axis in (cylinder.origin, cylinder.up, cylinder.ref)]
     for array in (*body.landmarks.values(), *axes, *([] if body.rig is None else body.rig.joints.values())):
         frozen(array)
-    return body
+    return replace(body, measurements_mm=FrozenDict(body.measurements_mm), landmarks=FrozenDict(body.landmarks), cylinders=FrozenDict(body.cylinders))
 
 
 def _read(path: Path, text: str) -> Mannequin:
