@@ -1,11 +1,12 @@
 """Buttons that are done up: a shank stands on the cloth below, and the buttonhole moves freely along it and is held beside it and at its end.
 
-    E = k |r|^2/2   [J]      r = d - t n,  t = d.n within 0 to L      F = -(dr/dx)^T (k + c |r|'/|r|) r   [N]
+    E = k (|r|^2 + e^2)/2   [J]      r = d - t n,  t = d.n,  e what t has beyond 0 or L      F = -(dr/dx)^T (k + c |r|'/|r|) r - (de/dx)^T (k e + c e')   [N]
 
 d [m] leads from the button to its hole, n is the normal of the triangle below, on the right side of its cloth, L [m] the length of the shank, k [N/m] the
 stiffness of the thread, c [N.s/m] its damping. Both ends are weighted means of three particles, of which those of the button span the triangle, so that n turns
-with them: what pulls at the hole also tilts the shank, and there is no torque left over. The length |r| is damped, so that a turn as a whole is not. The masses
-of buttons are neglected.
+with them: what pulls at the hole also tilts the shank, and there is no torque left over. The lengths |r| and e are damped, so that a turn as a whole is not;
+each by itself, because a hole that swings about the end of its shank by nanometres would hardly change a length that holds both (it swung for ever). The
+masses of buttons are neglected.
 """
 
 from __future__ import annotations
@@ -64,25 +65,29 @@ def _normal(u, v):  # type: ignore[no-untyped-def]
 
 @kernel
 def _held(shanks, button, positions, velocities):  # type: ignore[no-untyped-def]
-    """r, t, |r|, and how fast that grows."""
+    """r; t, |r|, e; and how fast |r| and e grow."""
     u, v, apart = _sides(shanks, button, positions)
     n, area = _normal(u, v)
-    up = min(max(dot(apart, n), 0.0), shanks.length[button])
+    up = dot(apart, n)
+    beyond = up - min(max(up, 0.0), shanks.length[button])
     r = along(apart, n, -up)
     size = math.sqrt(dot(r, r))
     faster_u, faster_v, drift = _sides(shanks, button, velocities)
-    # r' = d' - t n' - t' n, and where t follows d, r lies across n
     turn = along(cross(faster_u, v), cross(u, faster_v), 1.0)
-    drift = along(drift, along(turn, n, -dot(turn, n)), -up / area)
-    return r, up, size, dot(r, drift) / max(size, _LEAST_M)
+    turn = along(turn, n, -dot(turn, n))
+    # n' = turn/area; r' = d' - t n' - t' n, and r lies across n
+    rate, rise = dot(r, along(drift, turn, -up / area)) / max(size, _LEAST_M), dot(drift, n) + dot(apart, turn) / area
+    return r, (up, size, beyond), (rate, rise if beyond != 0.0 else 0.0)
 
 
 @entry
 @kernel
 def measure_shanks(shanks, positions, velocities, out):  # type: ignore[no-untyped-def]
-    """|r| [m] and its rate [m/s] of each button into the rows of out (B,2)."""
+    """How far each hole is from its shank [m], and how fast that changes [m/s], into the rows of out (B,2)."""
     for button in range(len(shanks.length)):
-        _, _, out[button, 0], out[button, 1] = _held(shanks, button, positions, velocities)
+        _, (_, size, beyond), (rate, rise) = _held(shanks, button, positions, velocities)
+        gap = math.sqrt(size * size + beyond * beyond)
+        out[button, 0], out[button, 1] = gap, (size * rate + beyond * rise) / max(gap, _LEAST_M)
 
 
 @entry
@@ -90,22 +95,22 @@ def measure_shanks(shanks, positions, velocities, out):  # type: ignore[no-untyp
 def write_shanks(shanks, positions, velocities, out):  # type: ignore[no-untyped-def]
     """Forces on the corners of button b into out[6 b] to out[6 b + 5]; those on the three below come first."""
     for button in range(len(shanks.length)):
-        r, up, size, rate = _held(shanks, button, positions, velocities)
+        r, (up, size, beyond), (rate, rise) = _held(shanks, button, positions, velocities)
         strength = shanks.stiffness[button] + shanks.damping[button] * rate / max(size, _LEAST_M)
-        pull = strength * r[0], strength * r[1], strength * r[2]
+        stop = shanks.stiffness[button] * beyond + shanks.damping[button] * rise
         u, v, _ = _sides(shanks, button, positions)
         n, area = _normal(u, v)
-        # n turns with its two sides: (dr/dn)^T p = -t p
-        beside = along(pull, n, -dot(pull, n))
-        on_u, on_v = cross(v, beside), cross(beside, u)
-        lever = up / area
+        pull = along((strength * r[0], strength * r[1], strength * r[2]), n, stop)
+        # n turns with its two sides: (dr/dn)^T p = -t p, and de/dn = d, of which r lies across n
+        tilt = (up * strength - stop) / area
+        on_u, on_v = cross(v, r), cross(r, u)
         for axis in range(3):
             for k in range(3):
                 out[6 * button + k, axis] = shanks.weights[button, 0, k] * pull[axis]
                 out[6 * button + 3 + k, axis] = -shanks.weights[button, 1, k] * pull[axis]
-            out[6 * button, axis] -= lever * (on_u[axis] + on_v[axis])
-            out[6 * button + 1, axis] += lever * on_u[axis]
-            out[6 * button + 2, axis] += lever * on_v[axis]
+            out[6 * button, axis] -= tilt * (on_u[axis] + on_v[axis])
+            out[6 * button + 1, axis] += tilt * on_u[axis]
+            out[6 * button + 2, axis] += tilt * on_v[axis]
 
 
 class ForceButton(OneLaw):
@@ -126,11 +131,11 @@ class ForceButton(OneLaw):
         write_shanks(self.shanks, positions, velocities, out)
 
     def gaps(self, positions: np.ndarray) -> np.ndarray:
-        """|r| (B,) m: how far each hole is from its shank."""
+        """How far each hole is from its shank, (B,) m."""
         return self._measured(positions, np.zeros_like(positions))[:, 0]
 
     def speeds(self, positions: np.ndarray, velocities: np.ndarray) -> np.ndarray:
-        """How fast |r| changes, (B,) m/s."""
+        """How fast that changes, (B,) m/s."""
         return np.abs(self._measured(positions, velocities)[:, 1])
 
     def energy(self, positions: np.ndarray, sliders: np.ndarray | None = None) -> float:
