@@ -10,10 +10,9 @@ from garmentcad.fabric.fast import FAST_QUANTITIES, fit_fast
 from garmentcad.fabric.fit_friction import fit_friction
 from garmentcad.fabric.fit_tension import fit_tension
 from garmentcad.fabric.fitted import FittedValue, fitted_sheet
+from garmentcad.fabric.missing import USUAL_FM
 from garmentcad.fabric.recorded_loop import RecordedLoop
 from garmentcad.fabric.sheet import KesSheet
-
-USUAL_FM = 500.0  # gf/cm
 
 
 class Fit(NamedTuple):

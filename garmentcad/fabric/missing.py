@@ -20,6 +20,7 @@ from garmentcad.fabric.law_tension import least_resilience, solve_exponent
 from garmentcad.fabric.quantity import QUANTITIES, quantity_of
 from garmentcad.fabric.sheet import KesSheet, KesValue, is_calibrated
 
+USUAL_FM = 500.0  # gf/cm, to which the tester pulls where a sheet names no Fm
 SELF_CHECK = 0.03  # WT against LT Fm EMT/200
 
 
@@ -81,7 +82,7 @@ def _from(name: str, of: str, formula: Callable[..., float], text: str, severity
 
 
 def _rules() -> Iterator[Rule]:
-    yield Rule("Fm", (), lambda: 500.0, "500 gf/cm, the tester's standard", "info")
+    yield Rule("Fm", (), lambda: USUAL_FM, "500 gf/cm, the tester's standard", "info")
 
     def from_energy(wt: float, known: float, fm: float) -> float:
         return 200.0 * wt / (fm * known)
@@ -198,7 +199,7 @@ def _unusual(sheet: KesSheet) -> Iterator[Finding]:
 
 def _contradictions(sheet: KesSheet) -> Iterator[Finding]:
     numbers = {key: value.value for key, value in sheet.values().items()}
-    fm = numbers.get("Fm", 500.0)
+    fm = numbers.get("Fm", USUAL_FM)
     for way in ("warp", "weft", "mean"):
         wt, lt, emt = (numbers.get(f"{name}.{way}") for name in ("WT", "LT", "EMT"))
         if wt is None or lt is None or emt is None:
