@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,16 @@ def test_a_value_changes_the_draft_and_what_a_checkpoint_agrees_with() -> None:
     assert lowest[0] - lowest[1] == pytest.approx(700.0 - short.pattern.values["length"])
     assert lowest[1] == lowest[2]
     assert short.identity["spec"] != long.identity["spec"]
+
+
+def test_a_checkpoint_agrees_with_where_the_body_has_its_landmarks_and_cylinders() -> None:
+    job = make_job("straight-skirt")
+    body = job.mannequin
+    raised = {**body.landmarks, "nape": body.landmarks["nape"] + [0.0, 1e-3, 0.0]}
+    wider = {**body.cylinders, "torso": replace(body.cylinders["torso"], radius_side=body.cylinders["torso"].radius_side + 1e-3)}
+    bodies = body, replace(body, landmarks=raised), replace(body, cylinders=wider), replace(body, faces=np.roll(body.faces, 1, axis=0))
+    assert len({replace(job, mannequin=one).identity["mannequin"] for one in bodies}) == 4
+    assert replace(job, mannequin=replace(body)).identity == job.identity
 
 
 def test_a_name_that_is_no_parameter_and_a_value_out_of_range_are_refused() -> None:

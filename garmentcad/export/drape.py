@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import ExitStack
 from pathlib import Path
 
 from garmentcad.analysis.run_record import Mode
 from garmentcad.export.movement import movement_report, write_movement
 from garmentcad.export.report import build_report
-from garmentcad.export.result_folder import CHECKPOINT, Result, WrittenFolder, clear_folder, write_result_folder
+from garmentcad.export.result_folder import CHECKPOINT, Result, WrittenFolder, clear_folder, make_folder, write_result_folder
+from garmentcad.io.held_folder import held_folder
 from garmentcad.pattern.spec import GarmentSpec
 from garmentcad.simulation.course import Progress
 from garmentcad.simulation.job import Job, make_job
@@ -43,10 +45,24 @@ def finish(job: Job, look: Callable[[Progress], None], folder: Path | None, resu
     """Run a job to its end, and through its movement where it came to rest, and write what comes out.
 
     An older result in `folder` stays until nothing can refuse the job any more. The checkpoint is kept while the run lasts and removed when the folder is
-    whole. A movement that was broken off begins anew.
+    whole. A movement that was broken off begins anew. FileError where another process is draping into the folder.
     """
+    with ExitStack() as held:
+
+        def begin() -> None:
+            if folder is not None:
+                make_folder(folder)
+                held.enter_context(held_folder(folder))
+                clear_folder(folder, movement=True)
+
+        return _finish(job, look, folder, resume, begin)
+
+
+def _finish(
+    job: Job, look: Callable[[Progress], None], folder: Path | None, resume: bool, begin: Callable[[], None]
+) -> tuple[Result, WrittenFolder | None]:
     checkpoint = None if folder is None else folder / CHECKPOINT
-    outcome = run(job, look, checkpoint, resume, lambda: None if folder is None else clear_folder(folder, movement=True))
+    outcome = run(job, look, checkpoint, resume, begin)
     made, measures = record(outcome)
     report = build_report(made, measures)
     files: list[Path] = []

@@ -57,18 +57,30 @@ class WrittenFolder:
     notes: tuple[str, ...]
 
 
+def make_folder(folder: Path) -> None:
+    """Make the folder of a result, where there is none. FileError where that cannot be done."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise _no_folder(folder, error) from error
+
+
+def _no_folder(folder: Path, error: OSError) -> FileError:
+    return FileError(f"cannot be the folder of a result: {error.strerror or error}", file=str(folder), key="--out")
+
+
 def clear_folder(folder: Path, movement: bool) -> None:
     """Make the folder, and take away what makes it that of an earlier drape: a run that is broken off leaves no old report beside its checkpoint. FileError
     where that cannot be done. movement: whether the frames of a movement go, too. What a writer that was killed left half written goes in any case."""
+    make_folder(folder)
     drawn = ("report.json", *_SOLID, *(f"{view}.png" for view in PICTURES))
     try:
-        folder.mkdir(parents=True, exist_ok=True)
         for name in (*drawn, *(_MOVEMENT if movement else ())):
             (folder / name).unlink(missing_ok=True)
         for name in (*drawn, *_ARRAYS, *_MOVEMENT):
             remove_unfinished(folder / name)
     except OSError as error:
-        raise FileError(f"cannot be the folder of a result: {error.strerror or error}", file=str(folder), key="--out") from error
+        raise _no_folder(folder, error) from error
 
 
 def write_result_folder(folder: str | Path, result: Result, identity: Mapping[str, str]) -> WrittenFolder:

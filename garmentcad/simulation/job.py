@@ -6,10 +6,12 @@ import hashlib
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import astuple, dataclass, field
 from numbers import Integral, Real
 from pathlib import Path
 from typing import get_args
+
+import numpy as np
 
 from garmentcad import __version__
 from garmentcad.analysis.run_record import Mode
@@ -60,10 +62,13 @@ class Job:
     @property
     def identity(self) -> dict[str, str]:
         """What a checkpoint must agree with."""
-        body = hashlib.sha256(self.mannequin.vertices.tobytes() + self.mannequin.faces.tobytes()).hexdigest()
+        body = hashlib.sha256(self.mannequin.vertices.tobytes() + self.mannequin.faces.tobytes())
+        for points in (self.mannequin.landmarks, {name: np.hstack(astuple(cylinder)) for name, cylinder in self.mannequin.cylinders.items()}):
+            for name, place in sorted(points.items()):
+                body.update(name.encode() + place.tobytes())
         sheets = {name: sheet_sha256(completed.sheet) for name, completed in sorted(self.fabrics.items())}
         return {
-            "spec": self.spec_sha256, "fabric": json.dumps(sheets), "mannequin": body, "grid_mm": f"{self.grid_mm:g}", "seed": str(self.seed),
+            "spec": self.spec_sha256, "fabric": json.dumps(sheets), "mannequin": body.hexdigest(), "grid_mm": f"{self.grid_mm:g}", "seed": str(self.seed),
             "mode": self.mode, "version": __version__,
         }  # fmt: skip
 
