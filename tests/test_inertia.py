@@ -106,7 +106,7 @@ def hung(lighten: bool) -> tuple[float, int]:
     state = State(start, np.zeros_like(start))
     dynamics.start(state)
     dynamics.advance(state, 1920)
-    dynamics.lighten, dynamics.steady, fallen = lighten, True, state.step
+    dynamics.lighten, dynamics.measured, dynamics.steady, fallen = lighten, True, True, state.step
     patch = patches(cloth)
     while residual(dynamics, state, patch).rms_g > 2e-4:
         dynamics.advance(state, 96)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from garmentcad.cloth.state import State
+from garmentcad.forces.time_step import largest_stable_time_step
 from garmentcad.mannequin.motion import KeyFrame, Pose
 from garmentcad.simulation import movement
 from garmentcad.simulation.job import make_job
@@ -16,10 +18,14 @@ def test_a_movement_that_runs_away_goes_on_with_shorter_steps(monkeypatch: pytes
     outcome = run(make_job("straight-skirt", grid_mm=50.0, max_time_s=0.9), lambda progress: None)
     outcome.state.run["step_factor"] = 0.5  # what the drape took
     factors: list[float] = []
+    longer: list[float] = []
     advance = Dynamics.advance
 
     def run_away_once(self: Dynamics, state: State, steps: int) -> None:
         factors.append(self.step_factor)
+        row_sums = np.zeros(self.cloth.particle_count)
+        self.forces.stiffness(state.positions, row_sums)
+        longer.append(state.time_step_s / self.step_factor / largest_stable_time_step(row_sums, self.cloth.masses))
         advance(self, state, steps)
         if len(factors) == 2:
             raise DivergedError(self.cloth, self.cloth.stitches[:0], "ran", state)
@@ -29,5 +35,6 @@ def test_a_movement_that_runs_away_goes_on_with_shorter_steps(monkeypatch: pytes
     moved = movement.move(outcome, [KeyFrame(0.1, Pose(turn=2.0))], lambda progress: None)
     assert (moved.status, moved.warning) == ("moved", None)
     assert (factors[:2], set(factors[2:])) == ([0.5, 0.5], {0.25})
+    assert min(longer[1:-1]) > 1.1, "steps are those of the highest frequency, not of its bound"
     assert (moved.times_s[1:] > moved.times_s[:-1]).all()
     assert outcome.state.run["step_factor"] == 0.5, "the outcome stays as it is"

@@ -42,6 +42,7 @@ class Turn(NamedTuple):
 def turn(outcome: Outcome, materials: MaterialTable) -> Turn:
     """One swing of the cloth of these `materials` from the pushed state."""
     dynamics, _ = make_dynamics(outcome.job, outcome.cloth, materials, outcome.state.fold_angles)
+    dynamics.measured = True  # as in a movement
     state: State = copy.deepcopy(outcome.state)
     state.velocities[:] = PUSH_M_S
     state.contact, state.phase = {}, "dynamics"

@@ -71,7 +71,8 @@ def soak(case: StudyCase) -> Mapping[str, Any]:
     job = job_of(case.parameters["garment"], case.fabric)
     outcome = run(job, lambda progress: None)
     dynamics, state, masses = outcome.dynamics, outcome.state, outcome.cloth.masses
-    dynamics.equalise, dynamics.steady, dynamics.drag, dynamics.speed_cap_m_s = False, True, AIR_DRAG, math.inf
+    dynamics.measured = dynamics.steady = True
+    dynamics.equalise, dynamics.drag, dynamics.speed_cap_m_s = False, AIR_DRAG, math.inf
     start, began = state.positions.copy(), state.time_s
     row: Row = {"drape": outcome.status, "particles": len(start), "lower_mm": {}}
     for moment in (5.0, 10.0, SOAK_S):

@@ -150,7 +150,7 @@ class Course:
     def set_phase(self, state: State) -> None:
         """Forces, masses and damping of the phase in which the state is."""
         dynamics = self.dynamics
-        dynamics.steady = state.phase != "fall"
+        dynamics.measured = dynamics.steady = state.phase != "fall"
         # The shares of contact and of a pin or button that it holds against depend on inertia: what is to be at rest with true masses settles with them. So
         # does what rang in a watch, because the change of masses set it off.
         truly = dynamics.constraint is not None or self._buttoned or _RANG in state.run

@@ -50,7 +50,7 @@ def move(outcome: Outcome, frames: Sequence[KeyFrame], look: Callable[[Progress]
     path = BodyPath(began + times, vertices)
     dynamics, _ = make_dynamics(outcome.job, outcome.cloth, outcome.materials, state.fold_angles, path=path)
     hold(dynamics, state, pin_rows(hardware_rows(outcome.job.pattern, outcome.cloth, outcome.materials, outcome.job.mannequin)))
-    dynamics.drag = AIR_DRAG
+    dynamics.drag, dynamics.measured = AIR_DRAG, True
     dynamics.start(state)
     kept: list[tuple[float, np.ndarray, np.ndarray]] = []
     status, warning = "moved", None

@@ -69,14 +69,15 @@ class Dynamics:
     equalise: drape mode; masses of particles whose own stable step is shorter than the median's are raised until it is not (the shape at rest does not depend
     on them). lighten: besides, what touches nothing resists less across the cloth (inertia.py), as `across` (P,3) says. speed_cap_m_s: forces make no particle
     faster, but press it on the body where it lies there. The time step rests on tangents that are a few steps old, and tension stiffens with strain: what a
-    weld or a snap sets free must not run ahead of them. steady: tangents hardly change, so the time step comes from the highest frequency itself and not from
-    its bound. step_factor: multiplies the time step, for a run that diverged at the step that its stiffness
-    allows. softness: by which tension in `forces` is divided, so that a change of it is noticed. fixed: (P,) bool, particles that do not move.
+    weld or a snap sets free must not run ahead of them. measured: tangents change little in a stretch, so the time step comes from the highest frequency
+    itself and not from its bound. steady: besides, they hardly change in many, so that looks at them may wait. step_factor: multiplies the time step, for a run
+    that diverged at the step that its stiffness allows. softness: by which tension in `forces` is divided, so that a change of it is noticed. fixed: (P,) bool,
+    particles that do not move.
     """
 
     def __init__(self, cloth: Cloth, forces: ForceAssembly, limit: StrainLimit, contact: Contact, fixed: np.ndarray | None = None) -> None:
         self.cloth, self.forces, self.limit, self.contact = cloth, forces, limit, contact
-        self.equalise = self.steady = self.lighten = False
+        self.equalise = self.measured = self.steady = self.lighten = False
         self.drag: float | np.ndarray = 0.0
         self._drag = np.zeros(cloth.particle_count)
         self.across = np.zeros((cloth.particle_count, 3))
@@ -115,7 +116,7 @@ class Dynamics:
 
     def estimate_time_step(self, state: State) -> None:
         """Largest stable step for the tangents, and in drape mode the masses for the median particle's step; where nothing has moved, those of before."""
-        key = np.array([self.equalise, self.lighten, self.steady, self.step_factor, self.softness], dtype=np.float64)
+        key = np.array([self.equalise, self.lighten, self.measured, self.step_factor, self.softness], dtype=np.float64)
         home = state.contact.get("stiff_home")
         known = home is not None and np.array_equal(key, state.contact["stiff_key"])
         fresh = home is None or not known or self._moved_on(state, home)
@@ -128,7 +129,7 @@ class Dynamics:
         self._estimated_at = home
         assert home is not None
         self.forces.stiffness(home, self._stiffness)
-        self._choose_step(state, self.equalise, self.steady)
+        self._choose_step(state, self.equalise, self.measured)
         if fresh:
             same = known and abs(state.time_step_s - before) < _SAME * before
             wait = min(2.0 * float(state.contact["stiff_wait"][0]), _LONGEST_WAIT) if same else float(STEPS_PER_ESTIMATE)
@@ -141,7 +142,7 @@ class Dynamics:
             return False
         return bool(farthest(state.positions, home) > (_STILL_STEADY if self.steady else _STILL) * self.cloth.spacing)
 
-    def _choose_step(self, state: State, equalise: bool, steady: bool) -> None:
+    def _choose_step(self, state: State, equalise: bool, measured: bool) -> None:
         free = ~self.fixed
         own = np.full(len(self._stiffness), np.inf)
         moving = free & (self._stiffness > 0.0)
@@ -159,7 +160,7 @@ class Dynamics:
         if equalise:
             wanted = float(np.median(own[moving]))
             inverse_masses = self.true_inverse_masses / np.maximum(1.0, (wanted / own) ** 2)
-        if steady:
+        if measured:
             masses = np.sqrt(inverse_masses)[:, None]
             frequency = measured_frequency(self.forces, state.contact["stiff_home"], lambda vectors: masses * root_eased(vectors, self.across))
             wanted = max(wanted, 2.0 * SAFETY / frequency) if frequency > 0.0 else wanted
