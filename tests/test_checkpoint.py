@@ -164,7 +164,8 @@ def test_what_the_run_could_not_go_on_from_is_refused(begun: tuple[Job, Path], c
         run.run(job, stop, rewritten(path, change), resume=True)
 
 
-def test_a_resumed_run_repeats_what_was_said_of_its_start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(("max_time_s", "phase"), [(0.02, "close"), (0.9, "fall")])
+def test_a_resumed_run_repeats_what_was_said_of_its_start(max_time_s: float, phase: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     place = run._placed
 
     def placed(*given: Any) -> np.ndarray:
@@ -172,7 +173,7 @@ def test_a_resumed_run_repeats_what_was_said_of_its_start(tmp_path: Path, monkey
         return place(*given)
 
     monkeypatch.setattr(run, "_placed", placed)
-    job, kept = make_job("straight-skirt", grid_mm=50.0, max_time_s=0.02), tmp_path / "checkpoint.npz"
+    job, kept = make_job("straight-skirt", grid_mm=50.0, max_time_s=max_time_s), tmp_path / "checkpoint.npz"
     whole = run.run(job, lambda progress: None, kept)
-    assert whole.warnings[0] == "panel 'front' was moved"
+    assert (whole.state.phase, whole.warnings[0]) == (phase, "panel 'front' was moved")
     assert run.run(job, lambda progress: None, kept, resume=True).warnings == whole.warnings

@@ -15,8 +15,8 @@ class State:
     fold_angles: (F,) rad, to which each fold line of the cloth goes back when nothing else bends it; pressing moves them.
     constraint_speeds: (R,3) m/s, what the constraints demand of their gaps at this moment; constraint_forces: (R,3) N, their multipliers in the last step.
     contact: arrays of the detection clock and the candidate lists, by contact name; owned by the contacts, kept here so that a resumed run needs no
-    extra detection. work_j: work done so far by the friction of contact and by internal friction. phase and rest: bookkeeping of the run (names in
-    simulation/).
+    extra detection. work_j: work done so far by the friction of contact and by internal friction. phase, run: bookkeeping of the run (names in
+    simulation/). said: warnings of how the panels came to where they began; a resumed run reports the same.
     """
 
     positions: np.ndarray
@@ -32,6 +32,7 @@ class State:
     work_j: dict[str, float] = field(default_factory=lambda: {"friction": 0.0, "internal_friction": 0.0})
     constraint_forces: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))
     fold_angles: np.ndarray = field(default_factory=lambda: np.zeros(0))
+    said: tuple[str, ...] = ()
 
     def sha256(self) -> str:
         """Hash of the bits of positions, velocities, folds and internal friction."""

@@ -34,13 +34,14 @@ class Head(Model):
     phase: str
     run: dict[str, float]
     work_j: dict[str, float]
+    said: list[str] = Field(default_factory=list)
 
 
 def save_state(path: Path, state: State, identity: dict[str, str]) -> None:
     """Write `state`. identity: what the run is (hashes of spec, fabric, mannequin, program version); `load_state` demands the same."""
     head = {
         "schema": SCHEMA, "identity": identity, "time_s": state.time_s, "step": state.step, "time_step_s": state.time_step_s, "phase": state.phase,
-        "run": state.run, "work_j": state.work_j,
+        "run": state.run, "work_j": state.work_j, "said": list(state.said),
     }  # fmt: skip
     arrays = {name: getattr(state, name) for name in (*_POINTS, "fold_angles")}
     arrays |= {"head": np.frombuffer(json.dumps(head).encode(), dtype=np.uint8)}
@@ -62,6 +63,7 @@ def load_state(path: Path, identity: dict[str, str] | None = None) -> State:
             {name[9:]: array for name, array in arrays.items() if name.startswith("friction.")},
             {name[8:]: array for name, array in arrays.items() if name.startswith("contact.")},
             dict(head.run), dict(head.work_j), points["constraint_forces"], _floats(arrays, "fold_angles", (arrays["fold_angles"].size,)),
+            tuple(head.said),
         )  # fmt: skip
     except InputError as error:
         what = f"head.{error.key}: {error.message}" if error.key else error.message

@@ -68,7 +68,6 @@ UNREFINED = "unrefined"  # in State.run: the garment was sewn on the lattice of 
 # start of five that differ by JITTER_M. What does not close is placed anew, with another jitter, so many times in all: then it is a matter of the pattern.
 SEWINGS = 2
 _SEWING = "sewing"  # in State.run: which of them it is, from 0
-_SAID = "said."  # in State.run, before a warning of how the panels came to where they begin: a resumed run reports the same
 
 
 class Interrupted(KeyboardInterrupt):
@@ -165,7 +164,7 @@ class _Run:
         self.job, self.keep, self.state = job, keep, state
         self.materials, self._material_of = lay_out(job)
         self.seconds: dict[str, float] = {}
-        self.warnings = [] if state is None else [key.removeprefix(_SAID) for key in state.run if key.startswith(_SAID)]
+        self.warnings = [] if state is None else list(state.said)
         self.setup = 0.0
         self._placed: np.ndarray | None = None
         self._untried = state is not None  # read from a file, and not yet found to fit
@@ -275,8 +274,7 @@ class _Run:
             self.warnings = list(dict.fromkeys(self.warnings))  # a resumed run that places anew has said the same before
         jitter = np.random.default_rng([self.job.seed, sewing]).standard_normal(self._placed.shape)
         positions = self._placed + JITTER_M * jitter
-        said = {f"{_SAID}{warning}": 1.0 for warning in self.warnings}
-        state = State(positions, np.zeros_like(positions), phase="close", fold_angles=np.zeros(len(flat.fold_names)), run=said)
+        state = State(positions, np.zeros_like(positions), phase="close", fold_angles=np.zeros(len(flat.fold_names)), said=tuple(self.warnings))
         if sewing > 0:
             state.run[_SEWING] = float(sewing)
         if flat.spacing == MM_TO_M * self.job.grid_mm:
@@ -376,7 +374,7 @@ def _refined_state(before: tuple[Cloth, ForceAssembly], state: State, after: tup
     kept = {key: value for key, value in state.run.items() if key != "step_factor"}
     friction = refined_sliders(*before, state, *after, positions)
     run = kept | {"level": float(level)}
-    made = State(positions, velocities, state.time_s, state.step, phase="fall", friction=friction, run=run, fold_angles=state.fold_angles)
+    made = State(positions, velocities, state.time_s, state.step, phase="fall", friction=friction, run=run, fold_angles=state.fold_angles, said=state.said)
     made.work_j, made.constraint_speeds, made.constraint_forces = dict(state.work_j), state.constraint_speeds, state.constraint_forces
     return made
 

@@ -195,5 +195,5 @@ def weld_state(cloth: Cloth, welded: Cloth, particle_map: np.ndarray, state: Sta
     welded_state = State(positions, velocities, state.time_s, state.step, state.time_step_s, friction=friction, fold_angles=state.fold_angles)
     held = slice(len(cloth.stitches), None)  # what is not sewn is held on
     welded_state.constraint_speeds, welded_state.constraint_forces = state.constraint_speeds[held].copy(), state.constraint_forces[held].copy()
-    welded_state.run, welded_state.work_j = dict(state.run), dict(state.work_j)
+    welded_state.run, welded_state.work_j, welded_state.said = dict(state.run), dict(state.work_j), state.said
     return welded_state
