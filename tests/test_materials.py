@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,8 @@ from garmentcad.fabric.sheet import sheet_from
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.draft import draft
 from garmentcad.pattern.parse import parse_spec
-from garmentcad.pattern.pattern import Panel
+from garmentcad.pattern.pattern import Panel, named_fabrics, with_fabrics
+from garmentcad.pattern.spec import MirroredPanelSpec
 from garmentcad.simulation.job import Job
 from garmentcad.simulation.materials import lay_out
 
@@ -84,10 +86,27 @@ def test_impossible_cloth_names_the_region() -> None:
     assert caught.value.key == "panels.p.regions.slab.W"
 
 
-def test_regions_of_one_name_keep_their_own_rows() -> None:
-    """The interfacing of a panel is a region of that name too."""
+def test_an_interfacing_that_makes_impossible_cloth_names_the_panel() -> None:
+    made, slab = job(interfacing="fusible"), completed("fusible", 89.0)
+    with pytest.raises(SpecError, match="impossible") as caught:
+        lay_out(replace(made, fabrics={**FABRICS, "fusible": slab}))
+    assert caught.value.key == "panels.p.W"
+
+
+def test_the_interfacing_of_a_panel_has_its_key_and_goes_with_its_mirror_image_and_into_an_outfit() -> None:
+    made = job(interfacing="fusible")
+    assert named_fabrics(made.pattern) == {"fusible": "panels.p.interfacing"}
+    assert with_fabrics(made.pattern, {"wool": "0 wool", "fusible": "0 fusible"}).panels["p"].interfacing == "0 fusible"
+    placement = {"transform": {"translation": [0, 0, 0]}}
+    spec = made.spec.model_copy(update={"panels": {**made.spec.panels, "q": MirroredPanelSpec(mirrored_from="p", placement=placement)}})
+    assert draft(spec, {}).panels["q"].interfacing == "fusible"
+
+
+def test_a_region_called_interfacing_is_one_like_any_other() -> None:
     made = job(interfacing="fusible", regions=[{"name": "interfacing", "polygon": square(0, 100), "factors": {"W": 2}}])
     assert masses(made, 50.0, 150.0) == pytest.approx([0.44, 0.24])
+    half = job(interfacing="fusible", mirror="d", regions=[{"name": "interfacing_m", "polygon": square(0, 100), "factors": {"W": 2}}])
+    assert masses(half, -150.0, -50.0, 50.0, 150.0) == pytest.approx([0.24, 0.44, 0.44, 0.24])
 
 
 def band(width: float) -> dict[str, Any]:

@@ -16,9 +16,8 @@ from garmentcad.check.placement import check_flat, check_moves, check_placement,
 from garmentcad.check.region import check_regions
 from garmentcad.check.wearing import check_wearing
 from garmentcad.cloth.lattice import build_cloth, check_grid
-from garmentcad.cloth.materials import lay_out_sheets
+from garmentcad.cloth.materials import key_of, lay_out_sheets, parts_of, row_of
 from garmentcad.errors import InputError
-from garmentcad.fabric.material import material_row
 from garmentcad.fabric.sheet import KesSheet
 from garmentcad.io.fabric_file import fabric_path, load_fabric
 from garmentcad.io.mannequin_file import read_mannequin
@@ -138,15 +137,14 @@ def _read_sheets(spec: GarmentSpec, pattern: Pattern, other: _Named | None) -> t
 
 
 def _check_fabrics(spec: GarmentSpec, pattern: Pattern, sheets: dict[str, KesSheet]) -> list[Finding]:
-    """Regions whose factors or interfacing make impossible cloth; then gathers."""
+    """Panels and regions whose factors or interfacing make impossible cloth; then gathers."""
     found = []
     for panel in pattern.panels.values():
-        for region in panel.regions:
-            sheet = sheets[region.fabric or panel.fabric or pattern.fabric]
+        for part in parts_of(panel):
             try:
-                material_row(sheet, region.factors, sheets[region.interfacing] if region.interfacing else None)
+                row_of(part, panel, pattern, sheets)
             except InputError as error:
-                found.append(refusal(type(error)(error.message, file=spec.file, key=f"panels.{panel.name}.regions.{region.name}.{error.key}")))
+                found.append(refusal(type(error)(error.message, file=spec.file, key=f"{key_of(part, panel)}.{error.key}")))
     return [*found, *check_gathers(pattern, sheets, spec.file)]
 
 

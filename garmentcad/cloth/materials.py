@@ -12,11 +12,11 @@ from garmentcad.cloth.lattice import MaterialOf
 from garmentcad.errors import FabricError, SpecError
 from garmentcad.fabric.material import MaterialRow, MaterialTable, material_row, material_table
 from garmentcad.fabric.sheet import KesSheet
-from garmentcad.pattern.pattern import Panel, Pattern
+from garmentcad.pattern.pattern import Panel, Pattern, Region
 
 
 def first_rows(pattern: Pattern) -> dict[str, int]:
-    """The row of each panel; its regions have those after it, in their order. Regions may share a name: the pieces of a band, a panel's interfacing."""
+    """The row of each panel; its regions have those after it, in their order. Regions may share a name: the pieces of a band."""
     rows, found = 0, {}
     for panel in pattern.panels.values():
         found[panel.name] = rows
@@ -24,20 +24,36 @@ def first_rows(pattern: Pattern) -> dict[str, int]:
     return found
 
 
+def parts_of(panel: Panel) -> tuple[Panel | Region, ...]:
+    """What has a row of its own, in the order of the rows: the panel, then its regions."""
+    return panel, *panel.regions
+
+
+def row_of(part: Panel | Region, panel: Panel, pattern: Pattern, sheets: Mapping[str, KesSheet]) -> MaterialRow:
+    """The row of a panel, or of one of its regions. FabricError where its factors or its interfacing make impossible cloth."""
+    sheet = sheets[part.fabric or panel.fabric or pattern.fabric]
+    factors = part.factors if isinstance(part, Region) else None
+    return material_row(sheet, factors, sheets[part.interfacing] if part.interfacing else None)
+
+
+def key_of(part: Panel | Region, panel: Panel) -> str:
+    """Key path of a panel, or of one of its regions."""
+    return f"panels.{panel.name}.regions.{part.name}" if isinstance(part, Region) else f"panels.{panel.name}"
+
+
 def lay_out_sheets(pattern: Pattern, sheets: Mapping[str, KesSheet]) -> tuple[MaterialTable, MaterialOf]:
     """Material table of a pattern, and `material_of(panel, points_mm (N,2)) -> rows (N,)`. Where regions overlap, the later one counts.
 
-    sheets: completed, by the name under which panels and regions refer to them. SpecError (with the region's key) for factors that make impossible cloth.
+    sheets: completed, by the name under which panels and regions refer to them. SpecError with the key of the panel or region whose factors or interfacing
+    make impossible cloth.
     """
     rows, of_panel = list[MaterialRow](), first_rows(pattern)
     for panel in pattern.panels.values():
-        fabric = panel.fabric or pattern.fabric
-        rows.append(material_row(sheets[fabric]))
-        for region in panel.regions:
+        for part in parts_of(panel):
             try:
-                rows.append(material_row(sheets[region.fabric or fabric], region.factors, sheets[region.interfacing] if region.interfacing else None))
+                rows.append(row_of(part, panel, pattern, sheets))
             except FabricError as fault:
-                raise SpecError(fault.message, key=f"panels.{panel.name}.regions.{region.name}.{fault.key}") from None
+                raise SpecError(fault.message, key=f"{key_of(part, panel)}.{fault.key}") from None
 
     def material_of(panel: Panel, points_mm: np.ndarray) -> np.ndarray:
         found = np.full(len(points_mm), of_panel[panel.name], dtype=np.int32)

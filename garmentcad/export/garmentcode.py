@@ -71,7 +71,8 @@ def _left_out(pattern: Pattern) -> Iterator[str]:
             "regions": panel.regions, "internal lines": panel.internal_lines, "folds and their angles": any(not fold.laid for fold in panel.folds),
             "pleats and their angles": any(fold.laid for fold in panel.folds), "notches": any(edge.notches for edge in panel.edges),
             "seam allowances": any(edge.seam_allowance_mm != Edge.seam_allowance_mm for edge in panel.edges),
-            "drill holes": panel.drill_holes, "its own fabric": panel.fabric, "its layer": panel.layer, f"its quantity of {panel.quantity}": panel.quantity > 1,
+            "drill holes": panel.drill_holes, "its own fabric": panel.fabric, "its interfacing": panel.interfacing, "its layer": panel.layer,
+            f"its quantity of {panel.quantity}": panel.quantity > 1,
             f"its grain of {panel.grain_deg + 0.0:g} degrees": panel.grain_deg != (SLEEVE_GRAIN_DEG if _is_sleeve(panel) else 0.0),
         }  # fmt: skip
         named = [name for name, there in parts.items() if there]

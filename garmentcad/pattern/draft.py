@@ -115,6 +115,7 @@ def _draft_panel(name: str, spec: PanelSpec, scope: Scope) -> Panel:
         grain_deg=scope.number(spec.grain, f"{key}.grain", -360.0, 360.0),
         placement=_placement(spec.placement, scope, f"{key}.placement"),
         fabric=spec.fabric,
+        interfacing=spec.interfacing,
         layer=spec.layer,
         quantity=spec.quantity,
         holes=tuple(holes),

@@ -95,13 +95,15 @@ class Transform:
 
 @dataclass(frozen=True)
 class Panel:
-    """A panel. `edges` is a closed counter-clockwise loop seen on the right side of the fabric; `holes` are clockwise loops."""
+    """A panel. `edges` is a closed counter-clockwise loop seen on the right side of the fabric; `holes` are clockwise loops. interfacing: fused to all of it
+    that is in no region; regions name their own."""
 
     name: str
     edges: tuple[Edge, ...]
     grain_deg: float  # direction of the warp, counter-clockwise from panel +y
     placement: Wrap | Transform
     fabric: str | None = None
+    interfacing: str | None = None
     layer: int = 0
     quantity: int = 1
     holes: tuple[tuple[Edge, ...], ...] = ()
@@ -209,7 +211,7 @@ def named_fabrics(pattern: Pattern) -> dict[str, str]:
     named: dict[str, str] = {}
     for panel in pattern.panels.values():
         key = f"panels.{panel.name}"
-        places = [(panel.fabric, f"{key}.fabric")]
+        places = [(panel.fabric, f"{key}.fabric"), (panel.interfacing, f"{key}.interfacing")]
         for region in panel.regions:
             places += [(region.fabric, f"{key}.regions.{region.name}.fabric"), (region.interfacing, f"{key}.regions.{region.name}.interfacing")]
         for name, place in places:
@@ -220,13 +222,14 @@ def named_fabrics(pattern: Pattern) -> dict[str, str]:
 
 def with_fabrics(pattern: Pattern, names: dict[str, str]) -> Pattern:
     """The pattern with every fabric and interfacing under another name."""
+
+    def renamed(part: Panel | Region) -> dict[str, str | None]:
+        return {"fabric": part.fabric and names[part.fabric], "interfacing": part.interfacing and names[part.interfacing]}
+
     panels = {}
     for panel in pattern.panels.values():
-        regions = tuple(
-            replace(region, fabric=region.fabric and names[region.fabric], interfacing=region.interfacing and names[region.interfacing])
-            for region in panel.regions
-        )
-        panels[panel.name] = replace(panel, fabric=panel.fabric and names[panel.fabric], regions=regions)
+        regions = tuple(replace(region, **renamed(region)) for region in panel.regions)  # type: ignore[arg-type]
+        panels[panel.name] = replace(panel, **renamed(panel), regions=regions)  # type: ignore[arg-type]
     return replace(pattern, panels=panels, fabric=names[pattern.fabric])
 
 

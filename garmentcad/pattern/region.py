@@ -1,4 +1,4 @@
-"""Regions of a panel: polygons, bands along an edge, and the interfacing of a whole panel."""
+"""Regions of a panel: polygons, and bands along an edge."""
 
 from __future__ import annotations
 
@@ -17,10 +17,9 @@ _TOLERANCE_MM = 0.05
 
 
 def draft_regions(spec: PanelSpec, edges: list[Edge], scope: Scope, key: str) -> tuple[Region, ...]:
-    """Regions of a panel with a counter-clockwise outline. A panel's own interfacing is a region over all of it, before the others; those keep it unless
-    they name an interfacing or a fabric of their own."""
+    """Regions of a panel with a counter-clockwise outline. The panel's interfacing is theirs too, unless they name an interfacing or a fabric of their own."""
     outline = loop_points([edge.curve for edge in edges], _TOLERANCE_MM)
-    regions = [Region("interfacing", frozen(outline), interfacing=spec.interfacing)] if spec.interfacing else []
+    regions = []
     names = [region.name for region in spec.regions]
     for k, region in enumerate(spec.regions):
         where = f"{key}.regions.{k}"
