@@ -1,4 +1,4 @@
-"""A garment that follows a movement, without a whole drape: what the loop does when motion runs away."""
+"""True motion without a whole drape: a garment that follows a movement, what the loop does when motion runs away, and the steps of dynamics."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import pytest
 
 from garmentcad.cloth.state import State
 from garmentcad.forces.time_step import largest_stable_time_step
+from garmentcad.geometry.intersection import crossing_triangle_pairs
 from garmentcad.mannequin.motion import KeyFrame, Pose
 from garmentcad.simulation import movement
 from garmentcad.simulation.job import make_job
@@ -38,3 +39,21 @@ def test_a_movement_that_runs_away_goes_on_with_shorter_steps(monkeypatch: pytes
     assert min(longer[1:-1]) > 1.1, "steps are those of the highest frequency, not of its bound"
     assert (moved.times_s[1:] > moved.times_s[:-1]).all()
     assert outcome.state.run["step_factor"] == 0.5, "the outcome stays as it is"
+
+
+def test_in_dynamics_a_garment_falls_in_steps_of_its_highest_frequency(monkeypatch: pytest.MonkeyPatch) -> None:
+    longer: list[float] = []
+    choose = Dynamics._choose_step
+
+    def chosen(self: Dynamics, state: State, equalise: bool, measured: bool) -> None:
+        choose(self, state, equalise, measured)
+        if state.phase == "fall":
+            assert not equalise
+            longer.append(state.time_step_s / largest_stable_time_step(self._stiffness, self.cloth.masses))
+
+    monkeypatch.setattr(Dynamics, "_choose_step", chosen)
+    outcome = run(make_job("straight-skirt", grid_mm=30.0, max_time_s=1.0, mode="dynamics"), lambda progress: None)
+    assert (outcome.status, outcome.state.phase, outcome.warnings) == ("max_time", "fall", [])
+    assert min(longer[1:]) > 1.1, "after the first look, which comes before the course has set its phase"
+    assert outcome.dynamics.measures(outcome.state)[1] < 1.5, "nothing is thrown"
+    assert crossing_triangle_pairs(outcome.state.positions, outcome.cloth.particle_triangles).size == 0

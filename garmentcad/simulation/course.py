@@ -150,7 +150,9 @@ class Course:
     def set_phase(self, state: State) -> None:
         """Forces, masses and damping of the phase in which the state is."""
         dynamics = self.dynamics
-        dynamics.measured = dynamics.steady = state.phase != "fall"
+        dynamics.steady = state.phase != "fall"
+        # While soft cloth falls in drape mode its tension comes back within a stretch of steps; the bound of the frequency covers that.
+        dynamics.measured = dynamics.steady or self.mode == "dynamics"
         # The shares of contact and of a pin or button that it holds against depend on inertia: what is to be at rest with true masses settles with them. So
         # does what rang in a watch, because the change of masses set it off.
         truly = dynamics.constraint is not None or self._buttoned or _RANG in state.run
