@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from garmentcad.cloth.state import State
+from garmentcad.forces.band import ForceBand
 from garmentcad.forces.time_step import largest_stable_time_step
 from garmentcad.geometry.intersection import crossing_triangle_pairs
 from garmentcad.mannequin.motion import KeyFrame, Pose
@@ -56,4 +57,14 @@ def test_in_dynamics_a_garment_falls_in_steps_of_its_highest_frequency(monkeypat
     assert (outcome.status, outcome.state.phase, outcome.warnings) == ("max_time", "fall", [])
     assert min(longer[1:]) > 1.1, "after the first look, which comes before the course has set its phase"
     assert outcome.dynamics.measures(outcome.state)[1] < 1.5, "nothing is thrown"
+    assert crossing_triangle_pairs(outcome.state.positions, outcome.cloth.particle_triangles).size == 0
+
+
+def test_in_dynamics_a_belt_draws_its_garment_together_and_does_not_throw_it() -> None:
+    """It ended as `diverged` 0.5 s after the beginning."""
+    outcome = run(make_job("wrap-skirt", grid_mm=40.0, max_time_s=0.9, mode="dynamics"), lambda progress: None)
+    assert (outcome.status, outcome.state.phase, outcome.warnings) == ("max_time", "fall", [])
+    (belt,) = (force for force in outcome.dynamics.forces.forces if isinstance(force, ForceBand))
+    assert belt.lengths(outcome.state.positions)[0] < 1.1 * belt.segments.rest[0]
+    assert outcome.dynamics.measures(outcome.state)[1] < 5.0
     assert crossing_triangle_pairs(outcome.state.positions, outcome.cloth.particle_triangles).size == 0

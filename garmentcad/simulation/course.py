@@ -50,6 +50,9 @@ STIFFEN_S = 0.3
 TIGHT_STRAIN, TIGHT_LINKS = 2.0 / 3.0, 0.01
 # No part of a garment that is being dressed goes faster than this; what a weld or a snap sets free would. At a step of 0.1 ms it is 1 % of 10 mm.
 SPEED_CAP_M_S = 1.0
+# In dynamics the least that holds what is tied while it falls, and beyond what cloth falls by itself: a belt that is drawn together at once from half as long
+# again pulls a million g at the ends of its segments, and threw a wrap skirt at 60 m/s.
+THROWN_M_S = 5.0
 # Settling with fictitious masses: the drag falls with the time since, as beta/t. A drag that is critical for fast modes makes slow ones creep, and one for slow
 # modes lets fast ones ring; under beta/t a mode of frequency w comes to rest from t = beta/(2 w) on as (w t)^(-beta/2), whatever w, and none has to be known.
 SETTLE_DECAY = 5.0
@@ -113,7 +116,7 @@ class Course:
 
     soften(softness): divides tension of its forces by another softness. max_time_s: cap on simulated time.
     softness: of the fall in mode 'drape'. last: whether this is the lattice of the job; on a coarser one the course is over when most of the fall is. buttoned:
-    whether the garment has buttons.
+    whether the garment has buttons; tied: whether it has buttons, belts or elastics.
     mode: 'drape' (equalised masses, damping of fall and settle) or 'dynamics' (true masses, light damping).
     """
 
@@ -126,9 +129,10 @@ class Course:
         softness: float = SOFTNESS,
         last: bool = True,
         buttoned: bool = False,
+        tied: bool = False,
     ) -> None:
         self.dynamics, self.soften, self.mode, self.max_time_s, self.is_last = dynamics, soften, mode, max_time_s, last
-        self._softness, self._buttoned = softness, buttoned
+        self._softness, self._buttoned, self._tied = softness, buttoned, tied
         self._patch = patches(dynamics.cloth)
         self._rest_length = dynamics.cloth.links.rest_length
         self.last: Residual | None = None
@@ -158,7 +162,8 @@ class Course:
         truly = dynamics.constraint is not None or self._buttoned or _RANG in state.run
         dynamics.equalise = self.mode == "drape" and (state.phase == "fall" or (state.phase == "settle" and not truly))
         dynamics.lighten = state.phase == "settle" and _CALM in state.run
-        dynamics.speed_cap_m_s = SPEED_CAP_M_S if self.mode == "drape" else math.inf
+        thrown = self._tied and state.phase == "fall"
+        dynamics.speed_cap_m_s = SPEED_CAP_M_S if self.mode == "drape" else THROWN_M_S if thrown else math.inf
         softness = 1.0
         if self.mode == "drape" and state.phase == "fall":
             left = max(0.0, FALL_S - (state.time_s - state.run["phase_from_s"]))

@@ -202,7 +202,8 @@ class _Run:
             self._begin(dynamics)
             last = level == len(grids) - 1
             softness = SOFTNESS if self.job.pattern.seams else LOOSE_SOFTNESS
-            course = Course(dynamics, soften_all, self.job.mode, self.job.max_time_s, softness, last, bool(self.job.pattern.buttons))
+            buttoned, banded = bool(self.job.pattern.buttons), bool(self.job.pattern.bands)
+            course = Course(dynamics, soften_all, self.job.mode, self.job.max_time_s, softness, last, buttoned, buttoned or banded)
             try:
                 status = course.run(self.state, self.keep)
             except (DivergedError, IntersectingError) as error:
