@@ -5,15 +5,19 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import ipctk
 import numpy as np
 import pytest
+import trimesh
+from scipy.spatial import cKDTree
 
+from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.state import State
 from garmentcad.simulation import run
 from garmentcad.simulation.course import Progress
 from garmentcad.simulation.job import Job, make_job
 from garmentcad.simulation.run import JITTER_M, SEWINGS
-from garmentcad.simulation.sewing import Welding, close_seams
+from garmentcad.simulation.sewing import Welding, close_seams, weld_state
 from garmentcad.solve.dynamics import IntersectingError
 
 OPEN = Welding({"side_left": 3.9})
@@ -106,3 +110,29 @@ def test_the_second_one_is_resumed_as_the_second(monkeypatch: pytest.MonkeyPatch
     assert resumed.all_or_none == [False]
     assert resumed.ends == whole.ends
     assert any(ANEW in warning for warning in outcome.warnings)
+
+
+def test_what_a_weld_pricks_on_the_body_is_taken_off_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Welding moves both sides of a gap of up to a millimetre at once. A knit top hung on two vertices of the body under its arm and never came to rest."""
+    job = skirt(0.9)
+    body, crossings = job.mannequin, []
+
+    def crossing(cloth: Cloth, state: State) -> bool:
+        positions = np.vstack([state.positions, body.vertices])
+        faces = np.vstack([cloth.particle_triangles, body.faces + len(state.positions)]).astype(np.int32)
+        return bool(ipctk.has_intersections(ipctk.CollisionMesh(positions, ipctk.edges(faces), faces), positions))
+
+    def pricked(start: Cloth, welded: Cloth, particle_map: np.ndarray, state: State) -> State:
+        made = weld_state(start, welded, particle_map, state)
+        crossings.append(crossing(welded, made))
+        distance, vertex = cKDTree(body.vertices).query(made.positions)
+        nearest = int(np.argmin(distance))
+        normal = trimesh.Trimesh(body.vertices, body.faces, process=False).vertex_normals[vertex[nearest]]
+        made.positions[nearest] = body.vertices[vertex[nearest]] - 1e-3 * normal
+        crossings.append(crossing(welded, made))
+        return made
+
+    monkeypatch.setattr(run, "weld_state", pricked)
+    monkeypatch.setattr(run.Course, "run", lambda course, state, look: crossings.append(crossing(course.dynamics.cloth, state)) or "max_time")
+    run.run(job, lambda progress: None)
+    assert crossings == [False, True, False]

@@ -262,6 +262,9 @@ class _Run:
             self.state.run |= welding.as_run()
             return self._broken_off(flat, start, "max_time")
         self.state = weld_state(start, welded, particle_map, self.state)
+        # What closes a gap of up to a millimetre at once can be pricked on the way, and would hang there.
+        body = self.job.mannequin
+        self.state.positions = off_body(self.state.positions, welded.particle_triangles, body.vertices, body.faces, welded.spacing)
         self.state.phase = "press" if flat.fold_names else "fall"
         self.state.run |= {"phase_from_s": self.state.time_s} | welding.as_run()
         self.keep.state = None  # until the next phase begins: the state before need not take memory while the next stepper is made
