@@ -111,17 +111,6 @@ def test_ctrl_c_stays_with_a_program_that_handles_it_without_python(monkeypatch:
     assert not stopped
 
 
-def test_ctrl_c_stays_ignored_in_a_job_of_the_background() -> None:
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        with _stop_signal() as stopped:
-            signal.raise_signal(signal.SIGINT)
-            assert not stopped
-        assert signal.getsignal(signal.SIGINT) is signal.SIG_IGN
-    finally:
-        signal.signal(signal.SIGINT, before)
-
-
 def test_a_checkpoint_of_another_run_is_refused(draped: tuple[Path, dict], tmp_path: Path) -> None:  # type: ignore[type-arg]
     folder, _ = draped
     (tmp_path / "checkpoint.npz").write_bytes((folder / "state.npz").read_bytes())

@@ -462,8 +462,8 @@ class _Keeper:
 
 @contextmanager
 def _stop_signal() -> Iterator[list[int]]:
-    """Ctrl-C sets a flag instead of tearing a step apart; a second one stops at once. Signals are left alone outside the main thread, where they are ignored
-    (jobs that a shell starts in the background), and in a program that handles them without Python: what it has set could not be put back."""
+    """Ctrl-C sets a flag instead of tearing a step apart; a second one stops at once. Outside the main thread signals are left alone, and in a program that
+    handles them without Python: what it has set could not be put back."""
     stopped: list[int] = []
 
     def note(number: int, frame: FrameType | None) -> None:
@@ -472,7 +472,7 @@ def _stop_signal() -> Iterator[list[int]]:
         stopped.append(number)
 
     before = signal.getsignal(signal.SIGINT)
-    if before in (None, signal.SIG_IGN) or threading.current_thread() is not threading.main_thread():
+    if before is None or threading.current_thread() is not threading.main_thread():
         yield stopped
         return
     signal.signal(signal.SIGINT, note)
