@@ -16,7 +16,7 @@ from garmentcad.check.placement import check_flat, check_moves, check_placement,
 from garmentcad.check.region import check_regions
 from garmentcad.check.wearing import check_wearing
 from garmentcad.cloth.lattice import build_cloth, check_grid
-from garmentcad.cloth.materials import key_of, lay_out_sheets, parts_of, row_of
+from garmentcad.cloth.materials import lay_out_sheets, row_of
 from garmentcad.errors import InputError
 from garmentcad.fabric.sheet import KesSheet
 from garmentcad.io.fabric_file import fabric_path, load_fabric
@@ -27,7 +27,7 @@ from garmentcad.io.spec_file import spec_folder
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.draft import draft_errors
 from garmentcad.pattern.outfit import OutfitSpec, put_on
-from garmentcad.pattern.pattern import Pattern, named_fabrics
+from garmentcad.pattern.pattern import Pattern, key_of, named_fabrics, parts_of
 from garmentcad.pattern.scope import with_values
 from garmentcad.pattern.spec import GarmentSpec
 from garmentcad.placement.place import place_vertices

@@ -12,7 +12,7 @@ from garmentcad.cloth.lattice import MaterialOf
 from garmentcad.errors import FabricError, SpecError
 from garmentcad.fabric.material import MaterialRow, MaterialTable, material_row, material_table
 from garmentcad.fabric.sheet import KesSheet
-from garmentcad.pattern.pattern import Panel, Pattern, Region
+from garmentcad.pattern.pattern import Panel, Pattern, Region, key_of, parts_of
 
 
 def first_rows(pattern: Pattern) -> dict[str, int]:
@@ -24,21 +24,11 @@ def first_rows(pattern: Pattern) -> dict[str, int]:
     return found
 
 
-def parts_of(panel: Panel) -> tuple[Panel | Region, ...]:
-    """What has a row of its own, in the order of the rows: the panel, then its regions."""
-    return panel, *panel.regions
-
-
 def row_of(part: Panel | Region, panel: Panel, pattern: Pattern, sheets: Mapping[str, KesSheet]) -> MaterialRow:
     """The row of a panel, or of one of its regions. FabricError where its factors or its interfacing make impossible cloth."""
     sheet = sheets[part.fabric or panel.fabric or pattern.fabric]
     factors = part.factors if isinstance(part, Region) else None
     return material_row(sheet, factors, sheets[part.interfacing] if part.interfacing else None)
-
-
-def key_of(part: Panel | Region, panel: Panel) -> str:
-    """Key path of a panel, or of one of its regions."""
-    return f"panels.{panel.name}.regions.{part.name}" if isinstance(part, Region) else f"panels.{panel.name}"
 
 
 def lay_out_sheets(pattern: Pattern, sheets: Mapping[str, KesSheet]) -> tuple[MaterialTable, MaterialOf]:

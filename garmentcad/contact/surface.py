@@ -34,7 +34,7 @@ def edge_of_side(faces: np.ndarray) -> np.ndarray:
 
 def pseudo_normals(vertices: np.ndarray, faces: np.ndarray, edge: np.ndarray) -> np.ndarray:
     """Normals of a Surface. edge: `edge_of_side` of the faces."""
-    # A moving body asks for them every few dozen steps, and coordinate by coordinate that takes less than half as long.
+    # A moving body asks for them every few dozen steps, and coordinate by coordinate that takes half as long.
     corners = np.stack([np.take(coordinate, faces.T) for coordinate in vertices.T])  # (3 coordinates, 3 corners, F)
     sides = np.roll(corners, -1, axis=1) - corners  # from each corner to the next
     (ax, ay, az), (bx, by, bz) = sides[:, 0], -sides[:, 2]

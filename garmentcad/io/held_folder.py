@@ -18,14 +18,16 @@ except ImportError:  # no POSIX: folders are not held there
 @contextmanager
 def held_folder(folder: Path) -> Iterator[None]:
     """For as long as this lasts no other `held_folder` gets the existing `folder`, in this process or in another one: FileError. A process that is killed
-    lets go; no file is made for it. File systems that know no locks hold nothing."""
-    if fcntl is None:
+    lets go; no file is made for it. Folders that cannot be opened or locked are not held."""
+    try:
+        handle = os.open(folder, os.O_RDONLY)
+    except OSError:
         yield
         return
-    handle = os.open(folder, os.O_RDONLY)
     try:
         try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            if fcntl is not None:
+                fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
             raise FileError("another drape is writing into this folder", file=str(folder), key="--out") from None
         except OSError:

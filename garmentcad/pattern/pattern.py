@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -206,30 +207,37 @@ class Pattern:
     bands: tuple[Band, ...] = ()
 
 
+_Part = TypeVar("_Part", Panel, Region)
+
+
+def parts_of(panel: Panel) -> tuple[Panel | Region, ...]:
+    """What may have a fabric and an interfacing of its own: the panel, then its regions, of which the later ones lie on top."""
+    return panel, *panel.regions
+
+
+def key_of(part: Panel | Region, panel: Panel) -> str:
+    """Key path of a panel, or of one of its regions."""
+    return f"panels.{panel.name}.regions.{part.name}" if isinstance(part, Region) else f"panels.{panel.name}"
+
+
 def named_fabrics(pattern: Pattern) -> dict[str, str]:
     """Every fabric and interfacing that panels and regions name beside the garment's own, with the key path of the first that does."""
     named: dict[str, str] = {}
     for panel in pattern.panels.values():
-        key = f"panels.{panel.name}"
-        places = [(panel.fabric, f"{key}.fabric"), (panel.interfacing, f"{key}.interfacing")]
-        for region in panel.regions:
-            places += [(region.fabric, f"{key}.regions.{region.name}.fabric"), (region.interfacing, f"{key}.regions.{region.name}.interfacing")]
-        for name, place in places:
-            if name is not None:
-                named.setdefault(name, place)
+        for part in parts_of(panel):
+            for kind, name in (("fabric", part.fabric), ("interfacing", part.interfacing)):
+                if name is not None:
+                    named.setdefault(name, f"{key_of(part, panel)}.{kind}")
     return named
 
 
 def with_fabrics(pattern: Pattern, names: dict[str, str]) -> Pattern:
     """The pattern with every fabric and interfacing under another name."""
 
-    def renamed(part: Panel | Region) -> dict[str, str | None]:
-        return {"fabric": part.fabric and names[part.fabric], "interfacing": part.interfacing and names[part.interfacing]}
+    def renamed(part: _Part) -> _Part:
+        return replace(part, fabric=part.fabric and names[part.fabric], interfacing=part.interfacing and names[part.interfacing])
 
-    panels = {}
-    for panel in pattern.panels.values():
-        regions = tuple(replace(region, **renamed(region)) for region in panel.regions)  # type: ignore[arg-type]
-        panels[panel.name] = replace(panel, **renamed(panel), regions=regions)  # type: ignore[arg-type]
+    panels = {name: replace(renamed(panel), regions=tuple(renamed(region) for region in panel.regions)) for name, panel in pattern.panels.items()}
     return replace(pattern, panels=panels, fabric=names[pattern.fabric])
 
 

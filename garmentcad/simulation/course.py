@@ -50,8 +50,8 @@ STIFFEN_S = 0.3
 TIGHT_STRAIN, TIGHT_LINKS = 2.0 / 3.0, 0.01
 # No part of a garment that is being dressed goes faster than this; what a weld or a snap sets free would. At a step of 0.1 ms it is 1 % of 10 mm.
 SPEED_CAP_M_S = 1.0
-# In dynamics the least that holds what is tied while it falls, and beyond what cloth falls by itself: a belt that is drawn together at once from half as long
-# again pulls a million g at the ends of its segments, and threw a wrap skirt at 60 m/s.
+# Nor does a garment with buttons or bands go faster than this while it falls in dynamics, which is more than cloth falls by itself: a belt that is drawn
+# together at once from half as long again pulls a million g at the ends of its segments, and threw a wrap skirt at 60 m/s.
 THROWN_M_S = 5.0
 # Settling with fictitious masses: the drag falls with the time since, as beta/t. A drag that is critical for fast modes makes slow ones creep, and one for slow
 # modes lets fast ones ring; under beta/t a mode of frequency w comes to rest from t = beta/(2 w) on as (w t)^(-beta/2), whatever w, and none has to be known.
