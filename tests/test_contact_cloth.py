@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from command import printed_on_threads
 from loose_sheet import Sheet, correct, crosses, fabric, reserve
+from scipy.sparse import csr_matrix
+from scipy.sparse.csgraph import dijkstra
 
 from garmentcad.arrays import indices
 from garmentcad.cloth.state import State
@@ -203,6 +205,31 @@ def test_neighbours_along_the_cloth_are_no_contact() -> None:
     contact.start(state)
     correct(state, 1e-4, contact)
     assert np.abs(state.velocities[grid[0, 3:, 2:4]]).max() > 0.01
+
+
+def test_what_is_let_pass_goes_through_its_own_cloth_alone() -> None:
+    """A stitch whose end lies over its cloth: of its pairs those stay that name a node more than two edges away, over the stitch too; and all of others."""
+    sheet = Sheet(6, panels=2)
+    grid = np.arange(2 * 49).reshape(2, 7, 7)
+    stitches = np.stack([grid[0, :, -1], grid[1, :, 0]], axis=1)
+    cloth = replace(sheet.cloth, stitches=indices(stitches), stitch_seam=np.zeros(len(stitches), dtype=np.int32))
+    positions = np.column_stack([1e-3 * cloth.vertex_uv_mm, np.zeros(98)])
+    positions[49:] += [0.042, 0.0, 2e-3]  # the second panel lies over two columns of the first one, along the seam
+    passing = np.zeros(98, dtype=bool)
+    passing[stitches[3]] = True
+    contact, state = Contact(cloth, fabric()), sheet.state(positions)
+    contact.start(state)
+    before = load_pairs(state).nodes
+    contact.let_pass(state, passing)
+    after = load_pairs(state).nodes
+    one, other = np.concatenate([sheet.ends, stitches, sheet.ends[:, ::-1], stitches[:, ::-1]]).T
+    way = np.repeat([1.0, 1e-6, 1.0, 1e-6], [len(sheet.ends), len(stitches)] * 2)  # closed stitches are no way
+    far = dijkstra(csr_matrix((way, (one, other)), shape=(98, 98)), indices=stitches[3]).min(axis=0) > 2.5
+    stay = ~np.isin(before, stitches[3]).any(axis=1) | far[before].any(axis=1)
+    assert 0 < np.count_nonzero(~stay) < np.count_nonzero(np.isin(before, stitches[3]).any(axis=1)), "some of its pairs go, others stay"
+    assert sorted(after.tolist()) == sorted(before[stay].tolist())
+    contact.let_pass(state, np.zeros(98, dtype=bool))
+    assert sorted(load_pairs(state).nodes.tolist()) == sorted(before.tolist())
 
 
 @pytest.mark.parametrize("kind", [VERTEX_TRIANGLE, EDGE_EDGE])

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-import trimesh
-from loose_sheet import crosses
 
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.lattice import build_cloth
@@ -16,7 +14,7 @@ from garmentcad.forces.force import CURVES, NO_PARTICLE
 from garmentcad.forces.internal import internal_forces
 from garmentcad.simulation.job import make_job
 from garmentcad.simulation.materials import lay_out
-from garmentcad.simulation.refine import off_body, refined, refined_sliders
+from garmentcad.simulation.refine import refined, refined_sliders
 from garmentcad.units import MM_TO_M
 
 JOB = make_job("flared-skirt", grid_mm=20.0)
@@ -81,20 +79,3 @@ def test_links_keep_their_lengths_on_a_cylinder() -> None:
     strain = np.linalg.norm(found[ends[:, 1]] - found[ends[:, 0]], axis=1) / FINE.links.rest_length - 1.0
     assert np.median(np.abs(strain)) < 1e-6
     assert np.percentile(strain, 99) == pytest.approx(0.0, abs=2e-3)
-
-
-def test_what_a_sharp_body_pricks_is_moved_off_it_and_nothing_else_moves() -> None:
-    """A cone whose tip stands 1.3 mm out of a flat cloth: it crosses before, not afterwards, and only the particles about the tip have moved."""
-    cone = trimesh.creation.cone(radius=0.05, height=0.05, sections=16)
-    x, y = np.meshgrid(np.arange(-5, 6), np.arange(-5, 6), indexing="ij")
-    flat = np.column_stack([0.01 * x.ravel() + 0.004, 0.01 * y.ravel() + 0.003, np.full(x.size, 0.0487)])
-    corner = np.arange(x.size).reshape(x.shape)[:-1, :-1].ravel()
-    triangles = np.vstack([np.column_stack([corner, corner + 11, corner + 12]), np.column_stack([corner, corner + 12, corner + 1])])
-    both = np.vstack([triangles, cone.faces + len(flat)])
-    assert crosses(np.vstack([flat, cone.vertices]), both)
-    moved = off_body(flat, triangles, np.array(cone.vertices), np.array(cone.faces), 0.01)
-    assert not crosses(np.vstack([moved, cone.vertices]), both)
-    way = np.linalg.norm(moved - flat, axis=1)
-    assert way.max() < 0.005
-    far = np.linalg.norm(flat[:, :2], axis=1) > 0.02
-    assert (way[far] == 0.0).all()

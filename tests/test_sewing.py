@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
 from dataclasses import replace
 
 import numpy as np
@@ -238,3 +239,34 @@ def test_only_stitches_of_three_layers_ask_for_more_when_they_are_late() -> None
         assert (shares[~layered] == 0.1).all()
         assert shares[layered] == pytest.approx(min(1.0, 0.1 * 2.0 ** max(0.0, (time_s - 1.0) / 0.2)))
     assert max(shares.max() for _, shares in dynamics.asked) == 1.0
+
+
+def test_what_is_open_late_passes_the_cloth_it_is_sewn_to_and_goes_on_so_from_a_checkpoint() -> None:
+    """Two squares whose seam next to nothing closes, one 2 mm over the other: contact sees their stitched ends until 2 s, and not afterwards."""
+    materials = linear_fabric()
+    seam = Seam("side", (EdgeUse("a", 1, False),), (EdgeUse("b", 3, True),))
+    cloth = build_cloth(pattern(*(rectangle(60, 60, name=name) for name in "ab"), seams=(seam,)), one_material, materials, 20.0)
+    positions = 1e-3 * (np.column_stack([cloth.vertex_uv_mm, np.zeros(cloth.particle_count)]) + np.outer(cloth.vertex_panel, [50.0, 12.0, 2.0]))
+
+    def stepper() -> Dynamics:
+        forces = ForceAssembly(internal_forces(cloth, materials), cloth.particle_count, [])
+        return Dynamics(cloth, forces, strain_limit(cloth, materials), Contact(cloth, materials))
+
+    state, seen, kept = State(positions, np.zeros_like(positions), phase="close"), {}, []
+
+    def look(progress: Progress) -> None:
+        nodes = state.contact["pair_nodes"]
+        seen[progress.time_s] = bool(np.isin(nodes, cloth.stitches).any())
+        if progress.time_s > 2.3 and not kept:
+            kept.append(deepcopy(state))
+
+    first = stepper()
+    first.start(state)
+    close_seams(first, state, NO_HARDWARE, look, 1e-9, 2.6)
+    times = np.array(list(seen))
+    assert all(seen[time_s] for time_s in times[times < 2.0])
+    assert not any(seen[time_s] for time_s in times[times > 2.1])
+    close_seams(stepper(), kept[0], NO_HARDWARE, lambda progress: None, 1e-9, 2.6)
+    assert np.isin(state.contact["pair_nodes"], cloth.stitches).any(), "it ends with contact as it was"
+    assert kept[0].sha256() == state.sha256()
+    assert kept[0].contact["pair_nodes"].tobytes() == state.contact["pair_nodes"].tobytes()

@@ -14,6 +14,7 @@ from garmentcad.units import MM_TO_M
 
 _REST = 1.2  # pairs whose rest distance along the cloth is below this many gaps are left out
 _PANEL_SHIFT = 100.0  # m between panels where they are laid out for their rest distances
+_PASSED_EDGES = 2  # as far along the cloth, over stitches too, as its own corner may lie in a stitch's way
 
 
 class ClothElements:
@@ -32,6 +33,16 @@ class ClothElements:
         self._triangle_tree = build_tree(_laid_out(cloth)[cloth.triangles].mean(axis=1))
         self._edge_tree = build_tree(rest[edges].mean(axis=1))
         self._neighbours = _Neighbours(cloth, identity, edges, _REST * largest_gap)
+        self._identity, self._ends = identity, identity[edges]
+        self.let_pass(np.zeros(count, dtype=bool))
+
+    def let_pass(self, passing: np.ndarray) -> None:
+        """From now on particles `passing` (P,) bool pass through the cloth that is theirs within two edges, stitches counted as closed."""
+        near = np.zeros(len(passing), dtype=bool)
+        near[self._identity[passing]] = True
+        for _ in range(_PASSED_EDGES):
+            near[self._ends[near[self._ends].any(axis=1)]] = True
+        self._passing, self._passed = passing, near[self._identity]
 
     def pairs(self, positions: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:
         """Nodes (N,4) of vertex-triangle and of edge-edge pairs of the cloth with itself that are closer than `reach` m, neighbours left out."""
@@ -44,7 +55,11 @@ class ClothElements:
         crossed = crossed[~self._neighbours.edge_edge(crossed[:, 0], crossed[:, 1])]
         points = np.concatenate([self.points.nodes[touched[:, 0], :1], self.triangles.nodes[touched[:, 1]]], axis=1)
         edges = np.concatenate([self.edges.nodes[crossed[:, 0], :2], self.edges.nodes[crossed[:, 1], :2]], axis=1)
-        return points, edges
+        return points[self._kept(points)], edges[self._kept(edges)]
+
+    def _kept(self, nodes: np.ndarray) -> np.ndarray:
+        """(K,) bool: of pairs (K,4), those that nothing makes pass."""
+        return ~(self._passing[nodes].any(axis=1) & self._passed[nodes].all(axis=1))
 
 
 class _Neighbours:

@@ -156,6 +156,11 @@ class Contact:
         """Whether particles slide on the body without friction."""
         self._grip.friction[:] = 0.0 if slips else self._body_friction
 
+    def let_pass(self, state: State, passing: np.ndarray) -> None:
+        """From now on particles `passing` (P,) bool pass through the cloth around them (`ClothElements.let_pass`). Looks for candidates again."""
+        self._elements.let_pass(passing)
+        self._find_pairs(state, 0.0)
+
     def set_inverse_masses(self, inverse_masses: np.ndarray) -> None:
         """Inertia (P,) 1/kg that shares impulses between particles from now on; 0 for a particle that contact must not move."""
         self.inverse_masses[: self.count] = floats(inverse_masses)

@@ -17,10 +17,6 @@ from garmentcad.cloth.locate import located
 from garmentcad.cloth.state import State
 from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.force import CURVES, NO_PARTICLE, Gauge
-from garmentcad.geometry.intersection import crossing_triangle_pairs_between
-
-# Where a sharp part of the body stands out between coarse particles, the finer triangles are moved off it by so many parts of the spacing, so many times.
-_LIFT, _LIFTS = 0.05, 8
 
 
 def refined(coarse: Cloth, values: np.ndarray, fine: Cloth) -> np.ndarray:
@@ -36,24 +32,6 @@ def refined(coarse: Cloth, values: np.ndarray, fine: Cloth) -> np.ndarray:
         found[mine] = np.einsum("nk,nkx->nx", place.weights, values[coarse.vertex_particle[place.vertices]])
     count = np.bincount(fine.vertex_particle, minlength=fine.particle_count)
     return np.column_stack([np.bincount(fine.vertex_particle, found[:, axis], fine.particle_count) / count for axis in range(values.shape[1])])
-
-
-def off_body(positions: np.ndarray, triangles: np.ndarray, vertices: np.ndarray, faces: np.ndarray, spacing: float) -> np.ndarray:
-    """Positions (P,3) m of cloth whose triangles (F,3) a sharp part of the body (vertices (V,3) m, faces) pricks, moved off it where they cross it, by less
-    than half a spacing; others stay. What still crosses afterwards does so deeper than that."""
-    moved = positions.copy()
-    for _ in range(_LIFTS):
-        pairs = crossing_triangle_pairs_between(moved, triangles, vertices, faces)
-        if len(pairs) == 0:
-            break
-        a, b, c = (vertices[faces[pairs[:, 1], corner]] for corner in range(3))
-        out = np.cross(b - a, c - a)
-        out /= np.linalg.norm(out, axis=1)[:, None]
-        way = np.zeros_like(moved)
-        np.add.at(way, triangles[pairs[:, 0]].ravel(), np.repeat(out, 3, axis=0))
-        size = np.linalg.norm(way, axis=1)[:, None]
-        moved += _LIFT * spacing * np.divide(way, size, out=np.zeros_like(way), where=size > 0.0)
-    return moved
 
 
 def refined_sliders(coarse: Cloth, before: ForceAssembly, state: State, fine: Cloth, after: ForceAssembly, positions: np.ndarray) -> dict[str, np.ndarray]:

@@ -42,8 +42,9 @@ from garmentcad.simulation.checkpoint import load_state, save_state
 from garmentcad.simulation.course import CLOSING_OVER_N_M, CLOSING_PULL_N_M, LOOSE_SOFTNESS, SOFTNESS, Course, Progress
 from garmentcad.simulation.job import Job
 from garmentcad.simulation.materials import lay_out
+from garmentcad.simulation.mend import off_body, turned_out
 from garmentcad.simulation.pressing import imposed_angles, laid_angles, press, under_iron
-from garmentcad.simulation.refine import off_body, refined, refined_sliders
+from garmentcad.simulation.refine import refined, refined_sliders
 from garmentcad.simulation.resume import refuse_course, refuse_memory, refuse_shape
 from garmentcad.simulation.sewing import Welding, close_seams, hold, weld_state
 from garmentcad.simulation.start import refuse_tangled
@@ -262,9 +263,11 @@ class _Run:
             self.state.run |= welding.as_run()
             return self._broken_off(flat, start, "max_time")
         self.state = weld_state(start, welded, particle_map, self.state)
-        # What closes a gap of up to a millimetre at once can be pricked on the way, and would hang there.
+        # Corners that passed through each other to close may lie through each other; what closes a gap of up to a millimetre at once can be pricked on the
+        # way. Both would hang there.
         body = self.job.mannequin
-        self.state.positions = off_body(self.state.positions, welded.particle_triangles, body.vertices, body.faces, welded.spacing)
+        turned = turned_out(self.state.positions, welded.particle_triangles)
+        self.state.positions = off_body(turned, welded.particle_triangles, body.vertices, body.faces, welded.spacing)
         self.state.phase = "press" if flat.fold_names else "fall"
         self.state.run |= {"phase_from_s": self.state.time_s} | welding.as_run()
         self.keep.state = None  # until the next phase begins: the state before need not take memory while the next stepper is made

@@ -22,6 +22,7 @@ from garmentcad.simulation.course import (
     CLOSING_DRAG,
     CLOSING_LATE_S,
     CLOSING_LEAST_M_S,
+    CLOSING_PASS_S,
     CLOSING_PULL_N_M,
     CLOSING_RATE,
     SPEED_CAP_M_S,
@@ -144,11 +145,23 @@ def _close(
         if closed or state.time_s >= min(since + CLOSING_CAP_S, until_s):
             break
         dynamics.constraint.least_share = np.where(between, min(1.0, leniency * LEAST_SHARE), LEAST_SHARE)
+        # By the clock alone, and for every look anew: so it is the same in a run that goes on from here.
+        if state.time_s - since >= CLOSING_PASS_S:
+            dynamics.contact.let_pass(state, _ends(cloth, chosen[gaps[:sewn] >= CLOSED_M]))
         dynamics.constraint.least_speed = np.where(late, SPEED_CAP_M_S, least_closing_speed(state.time_s - since))
         advance_or_retreat(dynamics, state)
+    if state.time_s - since >= CLOSING_PASS_S:
+        dynamics.contact.let_pass(state, _ends(cloth, chosen[:0]))
     worst = _worst_mm(names, gaps[:sewn])
     redundant = tuple(name for name in dynamics.constraint.redundant if name in worst)
     return Welding(worst, float(speeds[:sewn].max(initial=0.0)), redundant)
+
+
+def _ends(cloth: Cloth, stitches: np.ndarray) -> np.ndarray:
+    """(P,) bool: the particles of some stitches."""
+    ends = np.zeros(cloth.particle_count, dtype=bool)
+    ends[cloth.stitches[stitches]] = True
+    return ends
 
 
 def _worst_mm(names: Iterable[str], gaps: np.ndarray) -> dict[str, float]:

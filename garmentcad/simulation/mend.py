@@ -1,0 +1,46 @@
+"""Small faults that a change of the lattice leaves: cloth that is pricked by the body, corners that lie through each other."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from garmentcad.contact.elements import unique_edges
+from garmentcad.geometry.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
+
+# Where a sharp part of the body stands out between particles, their triangles are moved off it by so many parts of the spacing, so many times.
+_LIFT, _LIFTS = 0.05, 8
+_TURNS = 8  # of a corner, each half-way to where its neighbours lie; one was enough where it was seen
+
+
+def off_body(positions: np.ndarray, triangles: np.ndarray, vertices: np.ndarray, faces: np.ndarray, spacing: float) -> np.ndarray:
+    """Positions (P,3) m of cloth whose triangles (F,3) a sharp part of the body (vertices (V,3) m, faces) pricks, moved off it where they cross it, by less
+    than half a spacing; others stay. What still crosses afterwards does so deeper than that."""
+    moved = positions.copy()
+    for _ in range(_LIFTS):
+        pairs = crossing_triangle_pairs_between(moved, triangles, vertices, faces)
+        if len(pairs) == 0:
+            break
+        a, b, c = (vertices[faces[pairs[:, 1], corner]] for corner in range(3))
+        out = np.cross(b - a, c - a)
+        out /= np.linalg.norm(out, axis=1)[:, None]
+        way = np.zeros_like(moved)
+        np.add.at(way, triangles[pairs[:, 0]].ravel(), np.repeat(out, 3, axis=0))
+        size = np.linalg.norm(way, axis=1)[:, None]
+        moved += _LIFT * spacing * np.divide(way, size, out=np.zeros_like(way), where=size > 0.0)
+    return moved
+
+
+def turned_out(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """Positions (P,3) of cloth whose triangles (F,3) cross each other, with the corners that do turned out: each goes half-way to the mean of its neighbours,
+    a few times. What still crosses afterwards is no mere corner."""
+    turned, edges = positions.copy(), unique_edges(triangles)
+    one, other = np.concatenate([edges, edges[:, ::-1]]).T
+    count = np.bincount(one, minlength=len(positions))
+    for _ in range(_TURNS):
+        pairs = crossing_triangle_pairs(turned, triangles)
+        if len(pairs) == 0:
+            break
+        corners = np.unique(triangles[pairs])
+        mean = np.column_stack([np.bincount(one, turned[other, axis], len(positions)) for axis in range(3)])[corners] / count[corners, None]
+        turned[corners] += 0.5 * (mean - turned[corners])
+    return turned

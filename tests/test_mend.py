@@ -1,0 +1,53 @@
+"""What a change of the lattice leaves crossing is mended, judged by ipctk, and nothing else moves."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import trimesh
+from loose_sheet import Sheet, crosses
+
+from garmentcad.simulation.mend import off_body, turned_out
+
+
+def test_what_a_sharp_body_pricks_is_moved_off_it_and_nothing_else_moves() -> None:
+    """A cone whose tip stands 1.3 mm out of a flat cloth: it crosses before, not afterwards, and only the particles about the tip have moved."""
+    cone = trimesh.creation.cone(radius=0.05, height=0.05, sections=16)
+    x, y = np.meshgrid(np.arange(-5, 6), np.arange(-5, 6), indexing="ij")
+    flat = np.column_stack([0.01 * x.ravel() + 0.004, 0.01 * y.ravel() + 0.003, np.full(x.size, 0.0487)])
+    corner = np.arange(x.size).reshape(x.shape)[:-1, :-1].ravel()
+    triangles = np.vstack([np.column_stack([corner, corner + 11, corner + 12]), np.column_stack([corner, corner + 12, corner + 1])])
+    both = np.vstack([triangles, cone.faces + len(flat)])
+    assert crosses(np.vstack([flat, cone.vertices]), both)
+    moved = off_body(flat, triangles, np.array(cone.vertices), np.array(cone.faces), 0.01)
+    assert not crosses(np.vstack([moved, cone.vertices]), both)
+    way = np.linalg.norm(moved - flat, axis=1)
+    assert way.max() < 0.005
+    far = np.linalg.norm(flat[:, :2], axis=1) > 0.02
+    assert (way[far] == 0.0).all()
+
+
+@pytest.mark.parametrize("number", [0, 5, 35, 12])
+def test_a_corner_that_lies_through_its_cloth_is_turned_out_and_nothing_else_moves(number: int) -> None:
+    """A corner, or a vertex of an edge, of a wavy sheet of 10 mm is put through the cells beside it."""
+    sheet, rng = Sheet(5), np.random.default_rng(number)
+    triangles, home = sheet.cloth.particle_triangles, sheet.positions[number]
+    inward = sheet.positions.mean(axis=0) - home
+    inward /= np.linalg.norm(inward)
+    tried = 0
+    while tried < 20:
+        caught = sheet.positions + rng.uniform(-2e-3, 2e-3, sheet.positions.shape)
+        caught[number] += 12e-3 * inward + rng.uniform(-6e-3, 6e-3, 3)
+        if not crosses(caught, triangles):
+            continue
+        tried += 1
+        turned = turned_out(caught, triangles)
+        assert not crosses(turned, triangles)
+        way = np.linalg.norm(turned - caught, axis=1)
+        assert way.max() < 0.02
+        assert (way[np.linalg.norm(sheet.positions - home, axis=1) > 0.035] == 0.0).all()
+
+
+def test_cloth_that_crosses_nothing_stays_in_the_same_bits() -> None:
+    sheet = Sheet(5)
+    assert turned_out(sheet.positions, sheet.cloth.particle_triangles).tobytes() == sheet.positions.tobytes()
