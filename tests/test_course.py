@@ -14,7 +14,7 @@ from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
 from garmentcad.simulation import course as course_module
-from garmentcad.simulation.course import SMALLEST_STEP_FACTOR, Course, Progress
+from garmentcad.simulation.course import SMALLEST_STEP_FACTOR, STANDS, Course, Progress
 from garmentcad.solve.dynamics import DivergedError, Dynamics
 from garmentcad.solve.rest import Residual, patches
 from garmentcad.solve.strain_limit import strain_limit
@@ -84,3 +84,17 @@ def test_what_rings_through_a_watch_settles_with_true_masses(monkeypatch: pytest
     with pytest.raises(StopIteration):
         made.run(state, look)
     assert seen == [("settle", False), ("settle", fictitious)]
+
+
+@pytest.mark.parametrize(("left_g", "status"), [(1.0, "max_time"), (0.0, "converged")])
+def test_what_stands_still_tries_true_masses_and_ends_where_it_is_out_of_balance(monkeypatch: pytest.MonkeyPatch, left_g: float, status: str) -> None:
+    """Of cloth that is held but for one particle; a residual that stays while nothing moves is no nearer to rest at any later time."""
+    monkeypatch.setattr(course_module, "residual", lambda *_: Residual(left_g, left_g, np.full(patches(CLOTH).max() + 1, left_g)))
+    made, state = course(1.0, 20.0, "drape")
+    made.dynamics.hold_still(np.arange(CLOTH.particle_count) > 0)
+    state.phase, seen = "settle", []
+    assert made.run(state, lambda progress: seen.append(made.dynamics.equalise)) == status
+    assert state.time_s < 10.0
+    assert (STANDS in state.run) == (status == "max_time")
+    assert seen == sorted(seen, reverse=True), "true masses from where it stood still with others"
+    assert (seen[0], seen[-1]) == (True, False)

@@ -93,8 +93,8 @@ def test_laws_in_many_parts_are_the_laws_in_one(monkeypatch: pytest.MonkeyPatch)
         for one, other in zip(parts.gauge(positions), whole.gauge(positions)):
             assert np.array_equal(one, other)
     bounds = np.zeros((2, len(whole.corners)))
-    whole.write_bending_stiffness(positions, bounds[0])
-    parts.write_bending_stiffness(positions, bounds[1])
+    whole.write_stiffness_across(positions, bounds[0])
+    parts.write_stiffness_across(positions, bounds[1])
     assert bounds[1] == pytest.approx(bounds[0], rel=1e-12)
 
 

@@ -14,10 +14,11 @@ from garmentcad.cloth.lattice import rectangle_cloth
 from garmentcad.cloth.state import State
 from garmentcad.contact.contact import Contact
 from garmentcad.forces.assembly import ForceAssembly
+from garmentcad.forces.band import BandSegments, ForceBand
 from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
 from garmentcad.forces.time_step import measured_frequency
-from garmentcad.solve.dynamics import Dynamics
+from garmentcad.solve.dynamics import SAFETY, Dynamics
 from garmentcad.solve.inertia import MOST_LIGHTER, REACH, light_across, root_eased, slopes
 from garmentcad.solve.rest import patches, residual
 from garmentcad.solve.strain_limit import strain_limit
@@ -78,7 +79,7 @@ def test_frequency_of_light_cloth_is_the_largest_eigenvalue() -> None:
     forces = ForceAssembly(internal_forces(cloth, MATERIALS), cloth.particle_count)
     whole, bending = np.empty(cloth.particle_count), np.empty(cloth.particle_count)
     forces.stiffness(positions, whole)
-    forces.bending_stiffness(positions, bending)
+    forces.stiffness_across(positions, bending)
     across = light_across(cloth.particle_triangles, positions, whole / bending)
     tangent = tangent_by_differences(forces, positions)
     root = np.zeros_like(tangent)
@@ -91,6 +92,35 @@ def test_frequency_of_light_cloth_is_the_largest_eigenvalue() -> None:
     heavy = measured_frequency(forces, positions, lambda vectors: scale * vectors)
     assert light < 1.02 * heavy
     assert (across**2).sum(axis=1).max() > 10.0
+
+
+def test_the_time_step_of_light_cloth_under_a_taut_band_is_that_of_its_highest_frequency() -> None:
+    """A band pulls across the cloth by its tension; counted out, cloth below it was so light that a tube top flipped at the speed cap until its time was up."""
+    cloth = strip()
+    flat = np.column_stack([cloth.vertex_uv_mm * 1e-3, np.zeros(cloth.particle_count)])[cloth.vertex_particle.argsort()]
+    row = np.flatnonzero(flat[:, 1] == flat[:, 1].max())
+    row = row[np.argsort(flat[row, 0])]
+    ends = np.repeat(np.column_stack([row[:-1], row[1:]])[:, :, None], 3, axis=2).astype(np.int32)
+    count = len(ends)
+    band = ForceBand(
+        BandSegments(ends, np.tile([1.0, 0.0, 0.0], (count, 2, 1)), np.arange(count + 1, dtype=np.int32), np.full(count, 0.008), np.full(count, 40.0),
+                     np.zeros(count, np.int32))
+    )  # fmt: skip
+    forces = ForceAssembly([*internal_forces(cloth, MATERIALS), band], cloth.particle_count)
+    dynamics = Dynamics(cloth, forces, strain_limit(cloth, MATERIALS), Contact(cloth, MATERIALS))
+    dynamics.equalise = dynamics.lighten = dynamics.measured = True
+    state = State(flat, np.zeros_like(flat))
+    dynamics.start(state)
+    root = np.zeros((3 * len(flat), 3 * len(flat)))
+    for p, a in enumerate(dynamics.across):
+        values, vectors = np.linalg.eigh((np.eye(3) + np.outer(a, a)) * dynamics.inverse_masses[p])
+        root[3 * p : 3 * p + 3, 3 * p : 3 * p + 3] = vectors @ np.diag(np.sqrt(values)) @ vectors.T
+    highest = math.sqrt(np.linalg.eigvalsh(root @ tangent_by_differences(forces, flat) @ root)[-1])
+    assert state.time_step_s == pytest.approx(2.0 * SAFETY / highest, rel=0.01)
+    lighter = 1.0 + (dynamics.across[row] ** 2).sum(axis=1)
+    heavy = 2.0 * SAFETY * np.sqrt(cloth.masses / dynamics._stiffness)
+    assert state.time_step_s > 0.99 * np.median(heavy), "steps stay as long as without"
+    assert 1.0 <= lighter.max() < MOST_LIGHTER
 
 
 def hung(lighten: bool) -> tuple[float, int]:

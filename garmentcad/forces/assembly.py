@@ -104,9 +104,9 @@ class ForceAssembly:
             force.write_stiffness(positions, self._corner_stiffness[part])
         out[:] = np.bincount(self._particles, weights=self._corner_stiffness[self._used], minlength=len(out))
 
-    def bending_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
-        """As `stiffness`, of the forces against bending alone: what a cloth has across itself where nothing pulls at it."""
+    def stiffness_across(self, positions: np.ndarray, out: np.ndarray) -> None:
+        """As `stiffness`, of what acts across the cloth alone: bending, and the pull of bands. That of taut cloth is not in it."""
         self._corner_stiffness[:] = 0.0
         for force, part in zip(self.forces, self._parts):
-            force.write_bending_stiffness(positions, self._corner_stiffness[part])
+            force.write_stiffness_across(positions, self._corner_stiffness[part])
         out[:] = np.bincount(self._particles, weights=self._corner_stiffness[self._used], minlength=len(out))

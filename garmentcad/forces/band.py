@@ -110,8 +110,12 @@ class ForceBand(OneLaw):
         first = np.unique(node, return_index=True)[1]
         total = np.bincount(group[first], gradient, len(segments.rest))
         along = (segments.stiffness / segments.rest)[group] * gradient[node] * total[group] / slots
-        across = 2.0 * np.repeat(self.tensions(positions)[self._group] / size, CORNERS) * segments.weights.ravel()
-        out[:] = along + across
+        self.write_stiffness_across(positions, out)
+        out += along
+
+    def write_stiffness_across(self, positions: np.ndarray, out: np.ndarray) -> None:
+        size = np.maximum(np.linalg.norm(self._sides(positions), axis=1), SHORTEST_M)
+        out[:] = 2.0 * np.repeat(self.tensions(positions)[self._group] / size, CORNERS) * self.segments.weights.ravel()
 
     def _sides(self, positions: np.ndarray) -> np.ndarray:
         ends = np.einsum("sek,sekx->sex", self.segments.weights, positions[self.segments.particles])

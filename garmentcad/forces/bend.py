@@ -306,7 +306,7 @@ class ForceBend(OneLaw):
         angle, _ = self._angle_and_arms(positions)
         return stored(self._stiffness, self.strain(positions), self.slack() if sliders is None else sliders, self.way, angle)
 
-    def write_bending_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
+    def write_stiffness_across(self, positions: np.ndarray, out: np.ndarray) -> None:
         self.write_stiffness(positions, out)
 
     def write_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:

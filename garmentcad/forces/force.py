@@ -56,8 +56,8 @@ class Force(Protocol):
         """Row sum bound of the current tangent, sum over j of |K_ij|, for each corner [N/m] into out (K,), stick springs included. Only what can raise a
         frequency counts."""
 
-    def write_bending_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
-        """As `write_stiffness`, of the laws against bending; out is zero and stays so where there are none."""
+    def write_stiffness_across(self, positions: np.ndarray, out: np.ndarray) -> None:
+        """As `write_stiffness`, of what resists across the cloth: bending, the pull of bands. out is zero and stays so where nothing does."""
 
 
 class BodyForce(Protocol):
@@ -84,7 +84,7 @@ class OneLaw:
         none = np.empty(0)
         return Gauge(none, none, none, none)
 
-    def write_bending_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
+    def write_stiffness_across(self, positions: np.ndarray, out: np.ndarray) -> None:
         """None, unless they say otherwise."""
 
     def energy(self, positions: np.ndarray, sliders: np.ndarray | None = None) -> float:

@@ -158,7 +158,7 @@ class ForceHinge(OneLaw):
     def energy(self, positions: np.ndarray, sliders: np.ndarray | None = None) -> float:
         return stored(self._hinges.stiffness, self.strain(positions), self.slack() if sliders is None else sliders, self.way)
 
-    def write_bending_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
+    def write_stiffness_across(self, positions: np.ndarray, out: np.ndarray) -> None:
         self.write_stiffness(positions, out)
 
     def write_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:

@@ -257,7 +257,7 @@ class ForceLattice:
     def write_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
         write_bounds(self._blocks, self._coefficients, self._spacing, True, floats(positions), self._rooms, out)
 
-    def write_bending_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
+    def write_stiffness_across(self, positions: np.ndarray, out: np.ndarray) -> None:
         write_bounds(self._blocks, self._coefficients, self._spacing, False, floats(positions), self._rooms, out)
 
     def write_rest_stiffness(self, out: np.ndarray) -> None:

@@ -87,7 +87,7 @@ class ForceSpan(OneLaw):
         left, side, along = self._left_and_along(positions)
         return float(np.sum(0.5 * self._spans.stiffness * np.sum((left - along[:, None] * side) ** 2, axis=1)))
 
-    def write_bending_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
+    def write_stiffness_across(self, positions: np.ndarray, out: np.ndarray) -> None:
         self.write_stiffness(positions, out)
 
     def write_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:

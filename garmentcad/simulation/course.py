@@ -76,9 +76,12 @@ AIR_DRAG = 2.0
 WATCH_S = 0.3
 # Below this RMS speed a movement is not called growing: 1 mm/s for 0.3 s is a third of a millimetre.
 STILL_M_S = 1e-3
+STANDS_M_S = 1e-8  # RMS speed below which nothing moves: round-off of a settled garment
 _SLIPS = "slips"  # in State.run: whether cloth slips while tension comes back
 _CALM = "calm"  # in State.run: whether the residual has been below CALM_G
-_RANG = "rang"  # in State.run: whether a watch ended with a residual above its bar, though nothing grew
+_TRULY = "truly"  # in State.run: whether cloth settles with true masses; from where a watch ended with a residual above its bar though nothing grew, or
+# cloth of other masses stood still out of balance
+STANDS = "stands"  # in State.run: whether cloth stood still with true masses, out of balance
 SMALLEST_STEP_FACTOR = 1.0 / 8.0  # of the time step that the stiffness allows, to which a run that diverges is taken back before it is given up
 
 
@@ -141,10 +144,10 @@ class Course:
         self.last: Residual | None = None
 
     def run(self, state: State, look: Callable[[Progress], None]) -> str:
-        """Advance until rest or the cap. Returns 'converged' or 'max_time'; DivergedError where smaller steps do not help.
+        """Advance until rest, standstill or the cap. Returns 'converged' or 'max_time'; DivergedError where smaller steps do not help.
         `look` may raise to interrupt (a checkpoint of `state` is then whole)."""
         while state.phase != "rest":
-            if state.time_s >= self.max_time_s:
+            if state.time_s >= self.max_time_s or STANDS in state.run:
                 return "max_time"
             self.set_phase(state)
             if not advance_or_retreat(self.dynamics, state):
@@ -162,7 +165,7 @@ class Course:
         dynamics.measured = dynamics.steady or self.mode == "dynamics"
         # The shares of contact and of a pin or button that it holds against depend on inertia: what is to be at rest with true masses settles with them. So
         # does what rang in a watch, because the change of masses set it off.
-        truly = dynamics.constraint is not None or self._buttoned or _RANG in state.run
+        truly = dynamics.constraint is not None or self._buttoned or _TRULY in state.run
         dynamics.equalise = self.mode == "drape" and (state.phase == "fall" or (state.phase == "settle" and not truly))
         dynamics.lighten = state.phase == "settle" and _CALM in state.run
         thrown = self._tied and state.phase == "fall"
@@ -204,17 +207,21 @@ class Course:
             if left.rms_g < CALM_G:
                 state.run[_CALM] = 1.0
             self._follow(state, left)
+            if rms < STANDS_M_S:
+                # What other masses than the true ones stand still with may yet move with these. What does not is no nearer to rest at any later time.
+                state.run[_TRULY if self.dynamics.equalise else STANDS] = 1.0
             if left.rms_g < READY * RESIDUAL_G and left.worst_patch_g < READY * PATCH_RESIDUAL_G:
                 if self.dynamics.equalise:
                     # Speeds of fictitious masses mean nothing to the true ones: light cloth would ring with up to 64 times its energy.
                     state.velocities[:] = 0.0
                 self._enter(state, "watch")
                 state.run["watch_from_s"] = state.time_s
+                state.run.pop(STANDS, None)
         elif state.phase == "watch" and state.time_s - state.run["watch_from_s"] >= WATCH_S:
             left = self.last = residual(self.dynamics, state, self._patch)
             grew = state.run["watch_rms_2"] > max(STILL_M_S, state.run.get("watch_rms_1", 0.0))
             if not left.at_rest and not grew:
-                state.run[_RANG] = 1.0
+                state.run[_TRULY] = 1.0
             self._enter(state, "rest" if left.at_rest and not grew else "settle")
         look(Progress(state.phase, state.step, state.time_s, None, None if left is None else left.rms_g, rms, self._eta(state, left)))
 

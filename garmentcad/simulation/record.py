@@ -26,6 +26,7 @@ from garmentcad.pattern.pattern import Pattern, edge_roles
 from garmentcad.placement.place import place_vertices
 from garmentcad.simulation.job import Job
 from garmentcad.simulation.run import Outcome
+from garmentcad.solve.dynamics import DivergedError
 from garmentcad.solve.rest import patches, residual
 from garmentcad.units import M_TO_MM
 
@@ -54,7 +55,7 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
     widest = max(outcome.welding.gap_mm.values(), default=None)
     held = _held(outcome) if finite else {}
     kinetic, fastest, rms = outcome.dynamics.measures(state)
-    left = residual(outcome.dynamics, state, patches(cloth)).rms_g if finite else None
+    left = _residual_g(outcome) if finite else None
     energy = outcome.dynamics.forces.energy(state.positions, state.friction) if finite else {}
     if finite:
         seams = _seams(outcome)
@@ -107,6 +108,14 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
     roles = edge_roles(job.pattern)
     folds = {f"{panel.name}.{fold.name}": fold.points_mm for panel in job.pattern.panels.values() for fold in panel.folds}
     return made, measure(cloth, state.positions, outcome.materials, body, roles, place_vertices(job.pattern, cloth, body), worn, seams, folds)
+
+
+def _residual_g(outcome: Outcome) -> float | None:
+    """RMS residual, g; None where a step from the final state runs away, as where a seam was torn at."""
+    try:
+        return residual(outcome.dynamics, outcome.state, patches(outcome.cloth)).rms_g
+    except DivergedError:
+        return None
 
 
 def _held(outcome: Outcome) -> dict[str, tuple[float, float]]:

@@ -39,7 +39,7 @@ from garmentcad.pattern.pattern import Panel
 from garmentcad.placement.outside import around_worn
 from garmentcad.placement.place import place_vertices
 from garmentcad.simulation.checkpoint import load_state, save_state
-from garmentcad.simulation.course import CLOSING_OVER_N_M, CLOSING_PULL_N_M, LOOSE_SOFTNESS, SOFTNESS, Course, Progress
+from garmentcad.simulation.course import CLOSING_OVER_N_M, CLOSING_PULL_N_M, LOOSE_SOFTNESS, SOFTNESS, STANDS, Course, Progress
 from garmentcad.simulation.job import Job
 from garmentcad.simulation.materials import lay_out
 from garmentcad.simulation.mend import off_body, turned_out
@@ -360,6 +360,8 @@ class _Run:
             self.warnings.append(f"panel '{name}' is too tight: {100.0 * share:.0f} % of its links are stretched to the limit of the fabric (1.5 Fm)")
         if _SEWING in self.state.run:
             self.warnings.append("seams did not close the first time: the panels were placed once more, a hundredth of a millimetre aside")
+        if STANDS in self.state.run:
+            self.warnings.append("the garment stands still out of balance: forces are left that nothing answers, as where links are at the limit of the fabric")
         factor = self.state.run.get("step_factor", 1.0)
         if factor < 1.0:
             self.warnings.append(f"motion ran away at the time step that the stiffness allows; the run went back and on with {factor:g} of it")

@@ -152,9 +152,9 @@ class Dynamics:
             smallest = 1e-3
         self.across[:] = 0.0
         if equalise and self.lighten:
-            home, bending = state.contact["stiff_home"], np.empty_like(self._stiffness)
-            self.forces.bending_stiffness(home, bending)
-            limp = np.where(self.fixed | state.contact["stiff_touching"], 0.0, self._stiffness / np.maximum(bending, 1e-30))
+            home, across = state.contact["stiff_home"], np.empty_like(self._stiffness)
+            self.forces.stiffness_across(home, across)
+            limp = np.where(self.fixed | state.contact["stiff_touching"], 0.0, self._stiffness / np.maximum(across, 1e-30))
             self.across[:] = light_across(self.cloth.particle_triangles, home, limp)
         wanted, inverse_masses = smallest, self.true_inverse_masses
         if equalise:
@@ -163,7 +163,9 @@ class Dynamics:
         if measured:
             masses = np.sqrt(inverse_masses)[:, None]
             frequency = measured_frequency(self.forces, state.contact["stiff_home"], lambda vectors: masses * root_eased(vectors, self.across))
-            wanted = max(wanted, 2.0 * SAFETY / frequency) if frequency > 0.0 else wanted
+            step = 2.0 * SAFETY / frequency if frequency > 0.0 else wanted
+            # The bound is one of cloth that resists alike in all directions. Where it is lighter across, its frequency may lie above.
+            wanted = step if self.across.any() else max(wanted, step)
         self._set_step(state, self.step_factor * wanted, inverse_masses)
 
     def _set_step(self, state: State, time_step_s: float, inverse_masses: np.ndarray) -> None:

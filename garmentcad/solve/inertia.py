@@ -3,9 +3,9 @@
     M = m_t (1 - n n^T) + m_t/u n n^T     u = REACH^2 min(1/s^2, k/b), 1 <= u <= MOST_LIGHTER
 
 m_t: mass that resists along the cloth, raised from the true mass where the stable step of the particle is shorter than wanted; n: normal of the cloth at the
-particle; s: largest sine of the slope against it of the sides that meet there; k, b: row sums of the stiffness there, of all forces and of bending. The
-stable step is that of tension along the links. Across them only bending, the pull of what is taut and s^2 k act, hundreds of times less, and folds sway with
-that and all their mass. With u times less of it they sway up to sqrt(u) times faster, in steps as long as before.
+particle; s: largest sine of the slope against it of the sides that meet there; k, b: row sums of the stiffness there, of all forces and of what acts across
+the cloth (bending, the pull of bands). The stable step is that of tension along the links. Across them only these, the pull of what is taut and s^2 k act,
+hundreds of times less, and folds sway with that and all their mass. With u times less of it they sway up to sqrt(u) times faster, in steps as long as before.
 
 A particle that touches something keeps one mass in all directions: impulses of contact know only one.
 """
@@ -51,8 +51,8 @@ def slopes(triangles, positions, normals, steepest):  # type: ignore[no-untyped-
 
 
 def light_across(triangles: np.ndarray, positions: np.ndarray, limp: np.ndarray) -> np.ndarray:
-    """sqrt(u - 1) n (P,3) at positions (P,3) of particles whose triangles are (T,3). limp (P,): how many times as stiff a particle is in all as against
-    bending, 0 for one that keeps one mass in all directions."""
+    """sqrt(u - 1) n (P,3) at positions (P,3) of particles whose triangles are (T,3). limp (P,): how many times as stiff a particle is in all as across
+    the cloth, 0 for one that keeps one mass in all directions."""
     normals, steepest = np.empty_like(positions), np.empty(len(positions))
     slopes(triangles, positions, normals, steepest)
     lighter = np.clip(REACH**2 * np.minimum(1.0 / np.maximum(steepest, 1e-9) ** 2, limp), 1.0, MOST_LIGHTER)
