@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import trimesh
 from test_dynamics import hanging, linear_fabric
 
 from garmentcad.cloth.lattice import rectangle_cloth
@@ -98,3 +99,16 @@ def test_what_stands_still_tries_true_masses_and_ends_where_it_is_out_of_balance
     assert (STANDS in state.run) == (status == "max_time")
     assert seen == sorted(seen, reverse=True), "true masses from where it stood still with others"
     assert (seen[0], seen[-1]) == (True, False)
+
+
+def test_what_has_fallen_past_the_body_altogether_ends() -> None:
+    """Shorts without an elastic fell for 10 s, seven metres below the floor."""
+    below = trimesh.creation.icosphere(radius=0.02)
+    body = np.add(below.vertices, [0.0, -0.5, 1.0]), np.asarray(below.faces)
+    state = course(1.0, 5.0)[1]
+    forces = ForceAssembly(internal_forces(CLOTH, MATERIALS), CLOTH.particle_count, [ForceGravity(CLOTH.masses)])
+    dynamics = Dynamics(CLOTH, forces, strain_limit(CLOTH, MATERIALS), Contact(CLOTH, MATERIALS, body))
+    dynamics.start(state)
+    assert Course(dynamics, lambda softness: None, "dynamics", 5.0).run(state, lambda progress: None) == "max_time"
+    assert state.positions[:, 1].max() < -0.52
+    assert state.positions[:, 1].max() > -1.0, "and no farther"

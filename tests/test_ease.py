@@ -11,6 +11,7 @@ from hand_made import cylinder_body, flat, rectangles, tube
 
 from garmentcad.analysis.ease import garment_ease, girth_at, girth_near
 from garmentcad.analysis.section import Plane, cut, horizontal
+from garmentcad.io.mannequin_file import read_mannequin
 
 COLUMNS, PANELS = 30, 2
 AROUND = COLUMNS * PANELS
@@ -107,3 +108,15 @@ def test_fold_over_and_sleeve_do_not_count() -> None:
     assert girth is not None
     assert girth.draped_mm == pytest.approx(1000.0 * chord_girth(0.13), abs=1e-6)
     assert girth_at(cloth, positions + np.array([0.4, 0.0, 0.0]), np.zeros(3), 707.0) is None
+
+
+@pytest.mark.parametrize(("radius_m", "around_arms"), [(0.2, False), (0.7, True)])
+def test_what_goes_around_the_arms_too_has_no_ease_at_a_girth_of_the_trunk(radius_m: float, around_arms: bool) -> None:
+    """A poncho was told 900 mm of ease at the bust."""
+    body = read_mannequin("woman-88")
+    cloth, bust = rectangles(COLUMNS, 40, 0.015, PANELS, sewn=True), 1e-3 * body.measurements_mm["bust_height"]
+    around = tube(cloth, COLUMNS, PANELS, lambda row, angle: np.full_like(angle, radius_m), lambda row: bust + 0.015 * (row - 20))
+    ease = garment_ease(cloth, around + body.cylinders["torso"].origin * [1.0, 0.0, 1.0], body)["bust"]
+    assert (ease is None) == around_arms
+    if ease is not None:
+        assert ease.draped_mm == pytest.approx(1000.0 * chord_girth(radius_m) - body.measurements_mm["bust"], abs=1e-6)

@@ -67,7 +67,8 @@ def girth_near(cloth: Cloth, positions: np.ndarray, axis: np.ndarray, height_mm:
 
 
 def garment_ease(cloth: Cloth, positions: np.ndarray, mannequin: Mannequin) -> dict[str, Ease | None]:
-    """Ease at those of EASE_LINES that the mannequin has (a ball has none); None where the garment does not reach. positions: (P,3) m."""
+    """Ease at those of EASE_LINES that the mannequin has (a ball has none); None where the garment does not reach, and at a girth where it goes around arms,
+    too, as a poncho does: a tape around the trunk says nothing about that. positions: (P,3) m."""
     found: dict[str, Ease | None] = {}
     for name in GIRTHS:
         if name not in mannequin.measurements_mm:
@@ -75,9 +76,17 @@ def garment_ease(cloth: Cloth, positions: np.ndarray, mannequin: Mannequin) -> d
         axis = mannequin.cylinders["torso"].origin
         girth = girth_near(cloth, positions, axis, mannequin.measurements_mm[f"{name}_height"])
         body = mannequin.measurements_mm[name]
-        found[name] = None if girth is None else Ease(body, girth.draped_mm - body, girth.pattern_mm - body, girth.level_mm)
+        if girth is None or _holds_arms(cloth, positions, mannequin, girth):
+            found[name] = None
+        else:
+            found[name] = Ease(body, girth.draped_mm - body, girth.pattern_mm - body, girth.level_mm)
     for line in limb_lines(mannequin):
         loops = [loop for loop in loops_in_plane(cloth, positions, mannequin, line.plane) if loop.parts == (line.part,)]
         level = M_TO_MM * line.plane.offset if line.plane.normal[1] == 1.0 else None
         found[line.name] = Ease(loops[0].body_mm, loops[0].ease_mm, loops[0].pattern_ease_mm, level) if loops else None
     return found
+
+
+def _holds_arms(cloth: Cloth, positions: np.ndarray, mannequin: Mannequin, girth: Girth) -> bool:
+    loops = loops_in_plane(cloth, positions, mannequin, horizontal(girth.level_mm * MM_TO_M))
+    return any(loop.draped_mm == girth.draped_mm and any(part.startswith("arm") for part in loop.parts) for loop in loops)

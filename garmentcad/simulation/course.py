@@ -144,10 +144,10 @@ class Course:
         self.last: Residual | None = None
 
     def run(self, state: State, look: Callable[[Progress], None]) -> str:
-        """Advance until rest, standstill or the cap. Returns 'converged' or 'max_time'; DivergedError where smaller steps do not help.
-        `look` may raise to interrupt (a checkpoint of `state` is then whole)."""
+        """Advance until rest, standstill, the cap, or until all of it has fallen past the body. Returns 'converged' or 'max_time'; DivergedError where smaller
+        steps do not help. `look` may raise to interrupt (a checkpoint of `state` is then whole)."""
         while state.phase != "rest":
-            if state.time_s >= self.max_time_s or STANDS in state.run:
+            if state.time_s >= self.max_time_s or STANDS in state.run or self._is_off(state):
                 return "max_time"
             self.set_phase(state)
             if not advance_or_retreat(self.dynamics, state):
@@ -184,6 +184,10 @@ class Course:
         settling = state.contact.get("settle_drag", SETTLE_MOST if dynamics.equalise else SETTLE_DRAG)
         drags: dict[str, float | np.ndarray] = {"fall": FALL_DRAG, "settle": settling, "watch": WATCH_DRAG}
         dynamics.drag = drags[state.phase] if self.mode == "drape" else AIR_DRAG
+
+    def _is_off(self, state: State) -> bool:
+        body = self.dynamics.contact.positions[self.dynamics.contact.count :]
+        return len(body) > 0 and bool(state.positions[:, 1].max() < body[:, 1].min())
 
     def _watch(self, state: State) -> None:
         """Largest RMS speed in each third of the watch, as far as it ended in the last stretch."""
