@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from pathlib import Path
+from typing import Any
 
 import pytest
 from command import garmentcad_here
@@ -12,6 +13,8 @@ from test_readme import block
 
 from garmentcad.check.examine import examine
 from garmentcad.io.garment_test_file import read_garment_tests
+from garmentcad.io.mannequin_file import read_mannequin
+from garmentcad.io.spec_file import read_spec
 from garmentcad.regression.trial import job_of
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
@@ -34,6 +37,20 @@ def test_garment_of_the_howto_is_clean(mannequin: str | None, tmp_path: Path) ->
     path = tmp_path / "apron.yaml"
     path.write_text("".join(re.findall(r"```yaml\n(.*?)```", (DOCS / "howto" / "add-a-garment.md").read_text(encoding="utf-8"), re.DOTALL)))
     assert [str(finding) for finding in examine(path, mannequin)] == []
+
+
+def test_garment_scripted_in_python(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    """The page's Python, joined, on 40 mm: no finding, a drape of the sheet and the body that it is given, and the same garment as YAML."""
+    page = "".join(re.findall(r"```python\n(.*?)```", (DOCS / "howto" / "script-a-garment.md").read_text(encoding="utf-8"), re.DOTALL))
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, Any] = {}
+    exec(page.replace("grid_mm=20", "grid_mm=40"), names)
+    assert read_spec("tube-top.yaml") == names["spec"]
+    report = names["result"].report
+    assert (report["status"], report["self_intersections"], report["mannequin"]) == ("converged", 0, "woman-80")
+    area_m2 = 2.0 * 0.3 * (1e-3 * read_mannequin("woman-80").measurements_mm["bust"] / 2.0 - 0.02)
+    assert names["cloth"].masses.sum() == pytest.approx(1e-2 * 1.2 * names["knit"].W.value * area_m2, rel=1e-9)
+    assert re.fullmatch(r"widest strain of the warp 0\.\d+\ntop edge 1\.\d+ m above the floor\n", capsys.readouterr().out), "and no finding"
 
 
 def run_page(name: str, folder: Path) -> list[str]:

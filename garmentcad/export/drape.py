@@ -10,7 +10,9 @@ from garmentcad.analysis.run_record import Mode
 from garmentcad.export.movement import movement_report, write_movement
 from garmentcad.export.report import build_report
 from garmentcad.export.result_folder import CHECKPOINT, Result, WrittenFolder, clear_folder, make_folder, write_result_folder
+from garmentcad.fabric.sheet import KesSheet
 from garmentcad.io.held_folder import held_folder
+from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.spec import GarmentSpec
 from garmentcad.simulation.course import Progress
 from garmentcad.simulation.job import Job, make_job
@@ -21,8 +23,8 @@ from garmentcad.simulation.run import run
 
 def drape(
     spec: str | Path | GarmentSpec,
-    fabric: str | Path | None = None,
-    mannequin: str | Path | None = None,
+    fabric: str | Path | KesSheet | None = None,
+    mannequin: str | Path | Mannequin | None = None,
     *,
     grid_mm: float = 10.0,
     seed: int = 0,
@@ -32,10 +34,9 @@ def drape(
     values: Mapping[str, float] | None = None,
     folder: str | Path | None = None,
 ) -> Result:
-    """Drape a garment and return its report, cloth, state and maps; with `folder`, write the result folder too.
+    """Drape a garment and return its report, cloth, state and maps; with `folder`, write the result folder too, in place of an older result there.
 
-    spec: shipped name, file or model; fabric, mannequin: shipped name or file, in place of the spec's own; pose: key frames (shipped name or file) that the
-    body goes through once the garment hangs at rest; values: of the garment's parameters, in place of those in the spec. Raises InputError for what is refused.
+    Arguments as of `make_job`, which raises InputError for what is refused. A garment that did not come to rest is no error: `report["status"]` says it.
     """
     job = make_job(spec, fabric, mannequin, grid_mm=grid_mm, seed=seed, mode=mode, max_time_s=max_time_s, pose=pose, values=values)
     return finish(job, lambda progress: None, None if folder is None else Path(folder))[0]

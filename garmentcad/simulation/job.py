@@ -17,8 +17,8 @@ from garmentcad import __version__
 from garmentcad.analysis.run_record import Mode
 from garmentcad.cloth.lattice import check_grid
 from garmentcad.errors import FileError, InputError
-from garmentcad.fabric.missing import Completed
-from garmentcad.fabric.sheet import sheet_sha256
+from garmentcad.fabric.missing import Completed, complete
+from garmentcad.fabric.sheet import KesSheet, sheet_sha256
 from garmentcad.io.fabric_file import load_fabric
 from garmentcad.io.mannequin_file import read_mannequin
 from garmentcad.io.outfit_file import read_worn
@@ -75,8 +75,8 @@ class Job:
 
 def make_job(
     spec: str | Path | GarmentSpec,
-    fabric: str | Path | None = None,
-    mannequin: str | Path | None = None,
+    fabric: str | Path | KesSheet | None = None,
+    mannequin: str | Path | Mannequin | None = None,
     *,
     grid_mm: float = 10.0,
     seed: int = 0,
@@ -85,8 +85,10 @@ def make_job(
     pose: str | Path | None = None,
     values: Mapping[str, float] | None = None,
 ) -> Job:
-    """Read everything that a drape needs. spec: a shipped name, a file, or a model; fabric, mannequin: a shipped name or a file, in place of the spec's own;
-    pose: key frames, a shipped name or a file; values: of parameters, in place of the spec's. InputError for anything that is refused."""
+    """Read everything that a drape needs. spec: a shipped name, a file, or a model; fabric, mannequin: a shipped name, a file, or a sheet or body, in place of
+    the spec's own; grid_mm: spacing of the lattice (2 to 50); seed: of the 0.01 mm jitter of the start; mode: 'drape' for the shape at rest, 'dynamics' for
+    motion with true masses; max_time_s: most simulated seconds (up to 600); pose: key frames, a shipped name or a file; values: of parameters, in place of
+    the spec's. InputError for anything that is refused; it names the option that the command line has for an argument."""
     grid_mm, max_time_s = _number(grid_mm, "--grid", "a number of mm"), _number(max_time_s, "--max-time", "a number of simulated seconds")
     check_grid(grid_mm)
     if not 0.0 < max_time_s <= 600.0:
@@ -95,19 +97,23 @@ def make_job(
         raise InputError(f"seed {shown(seed)}; 0 or a positive whole number is allowed", key="--seed")
     if mode not in get_args(Mode):
         raise InputError(f"mode {shown(mode)}; {' or '.join(get_args(Mode))} is allowed", key="--mode")
-    for key, named in (("--fabric", fabric), ("--mannequin", mannequin), ("--pose", pose)):
-        if named is not None and not isinstance(named, (str, Path)):
-            raise InputError(f"a name or a file is wanted, came {shown(named)}", key=key)
+    for key, named, made in (("--fabric", fabric, KesSheet), ("--mannequin", mannequin, Mannequin), ("--pose", pose, None)):
+        if named is not None and not isinstance(named, (str, Path)) and (made is None or not isinstance(named, made)):
+            wanted = "a name or a file" if made is None else f"a name, a file or a {made.__name__}"
+            raise InputError(f"{wanted} is wanted, came {shown(named)}", key=key)
     if not isinstance(spec, (str, Path, GarmentSpec)):
         raise InputError(f"a garment is a shipped name, a file or a GarmentSpec, came {shown(spec)}", key="spec")
     values = _values({} if values is None else values)
     model = spec if isinstance(spec, GarmentSpec) else read_worn(spec)
     if isinstance(model, GarmentSpec):
         model, folder = with_values(model, values), spec_folder(model)
-        body = read_mannequin(mannequin if mannequin is not None else _referred(model, model.mannequin, "mannequins", "mannequin"))
+        body = _body(model, mannequin)
         pattern = draft(model, body.measurements_mm)
         fabrics = {name: load_fabric(_referred(model, name, "fabrics", key)) for name, key in sorted(named_fabrics(pattern).items())}
-        fabrics[pattern.fabric] = load_fabric(fabric if fabric is not None else _referred(model, pattern.fabric, "fabrics", "fabric"))
+        if isinstance(fabric, KesSheet):
+            fabrics[pattern.fabric] = complete(fabric)
+        else:
+            fabrics[pattern.fabric] = load_fabric(fabric if fabric is not None else _referred(model, pattern.fabric, "fabrics", "fabric"))
         outfit: GarmentSpec | OutfitSpec = model
         worn: tuple[GarmentSpec, ...] = ()
     else:
@@ -116,7 +122,7 @@ def make_job(
         if values:
             raise InputError("an outfit has values of parameters for each garment; name them in its file", key="--set")
         (outfit, worn), folder = model, spec_folder(model[0])
-        body = read_mannequin(mannequin if mannequin is not None else _referred(outfit, outfit.mannequin, "mannequins", "mannequin"))
+        body = _body(outfit, mannequin)
         pattern, fabrics = _dressed(outfit, worn, body.measurements_mm)
     poses = () if pose is None else tuple(read_poses(pose))
     if poses:
@@ -139,6 +145,13 @@ def _values(values: object) -> dict[str, float]:
     if not isinstance(values, Mapping) or not all(isinstance(name, str) for name in values):
         raise InputError(f"a mapping of parameter names to numbers is wanted, came {shown(values)}", key="--set")
     return {name: _number(value, f"--set {name}", "a number") for name, value in values.items()}
+
+
+def _body(spec: GarmentSpec | OutfitSpec, given: str | Path | Mannequin | None) -> Mannequin:
+    """The body of a job: the one given, or that of the spec."""
+    if isinstance(given, Mannequin):
+        return given
+    return read_mannequin(given if given is not None else _referred(spec, spec.mannequin, "mannequins", "mannequin"))
 
 
 def _referred(spec: GarmentSpec | OutfitSpec, text: str, kind: Kind, key: str) -> Path:
