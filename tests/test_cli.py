@@ -122,3 +122,11 @@ def test_a_fit_without_weight_is_held_against_itself(tmp_path: Path) -> None:
     assert run.returncode == 2
     assert "at most 3 % is allowed" in run.stderr
     assert not (tmp_path / "a.yaml").exists()
+
+
+def test_a_passport_that_cannot_be_written_is_refused_before_anything_is_measured(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("garmentcad.rigs.passport.make_passport", lambda *_: pytest.fail("the testers ran"))
+    (tmp_path / "taken").write_text("a file")
+    run = garmentcad_here("fabric", "test", "denim", "-o", "taken", folder=tmp_path)
+    assert run.returncode == 2
+    assert "taken: --out: cannot be the folder of a result" in run.stderr

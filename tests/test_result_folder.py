@@ -19,7 +19,7 @@ from garmentcad.export import movement, picture
 from garmentcad.export.cloth_file import read_cloth, write_cloth
 from garmentcad.export.drape import finish
 from garmentcad.export.report import write_report
-from garmentcad.export.result_folder import Result, clear_folder, read_report, read_result_folder, write_result_folder
+from garmentcad.export.result_folder import Result, clear_folder, make_folder, read_report, read_result_folder, write_result_folder
 from garmentcad.export.side_by_side import Exhibit
 from garmentcad.io.npz_file import read_npz
 from garmentcad.simulation import run
@@ -146,6 +146,12 @@ def test_a_folder_that_is_used_again_is_that_of_no_earlier_drape(tmp_path: Path)
     assert {path.name for path in tmp_path.rglob("*") if path.is_file()} == {"mine.txt", ".mine.txt.12.tmp", "cloth.npz", "maps.npz", "state.npz"}
     with pytest.raises(InputError, match=r"--out.*cannot be the folder of a result"):
         clear_folder(tmp_path / "mine.txt", movement=True)
+
+
+@pytest.mark.skipif(not Path("/proc/self").exists(), reason="needs a folder that nobody can write into")
+def test_a_folder_that_takes_no_files_is_refused() -> None:
+    with pytest.raises(InputError, match=r"/proc: --out: cannot be the folder of a result"):
+        make_folder(Path("/proc"))
 
 
 @pytest.mark.parametrize("resume", [True, False])

@@ -74,6 +74,7 @@ def write_passport(
     """
     from garmentcad.errors import FileError, InputError
     from garmentcad.export.report import report_json
+    from garmentcad.export.result_folder import make_folder
     from garmentcad.fabric.sheet import is_calibrated
     from garmentcad.io.atomic import write_atomic
     from garmentcad.io.fabric_file import fabric_path, load_fabric, write_law
@@ -90,6 +91,8 @@ def write_passport(
     sheet = load_fabric(path).sheet
     if disc not in GEOMETRIES:
         raise InputError(f"{disc!r} came; allowed are {', '.join(GEOMETRIES)}", key="--disc")
+    folder = out if out is not None else Path("out") / ("fabric-" + re.sub(r"[^\w.+-]+", "-", sheet.name))  # a name may hold a slash
+    make_folder(folder)  # before minutes of work, not after
     if not is_calibrated(sheet):
         sheet = calibrate(sheet, say=say)
         assert sheet.law is not None
@@ -100,7 +103,6 @@ def write_passport(
         except FileError as error:
             say(f"the calibration is not kept: {error}")
     passport = make_passport(sheet, grid, lays, disc, say)
-    folder = out if out is not None else Path("out") / ("fabric-" + re.sub(r"[^\w.+-]+", "-", sheet.name))  # a name may hold a slash
     write_atomic(folder / "passport.json", report_json(passport.figures))
     write_page(folder / "passport.html", passport)
     if as_json:

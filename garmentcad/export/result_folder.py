@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import Any
 
 import numpy as np
@@ -58,9 +59,11 @@ class WrittenFolder:
 
 
 def make_folder(folder: Path) -> None:
-    """Make the folder of a result, where there is none. FileError where that cannot be done."""
+    """Make the folder of a result, where there is none, and see whether files can be made in it. FileError where that cannot be done."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        with TemporaryFile(dir=folder):
+            pass
     except OSError as error:
         raise _no_folder(folder, error) from error
 
