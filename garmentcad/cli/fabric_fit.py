@@ -23,6 +23,8 @@ def fit(
     from garmentcad.io.fabric_file import write_fabric
     from garmentcad.io.fit_csv import read_fit_files
 
+    if out.name.lower() in (".yaml", ".yml"):
+        raise InputError(f"a name is wanted before the ending {out.name}; it becomes the fabric's", file=str(out), key="--out")
     if out.suffix.lower() not in (".yaml", ".yml"):
         raise InputError(f"cannot write '{out.suffix or out.name}'; .yaml is allowed", file=str(out), key="--out")
     values, loops, findings = read_fit_files(files)
