@@ -8,7 +8,7 @@ import pytest
 
 from garmentcad.errors import FabricError
 from garmentcad.fabric.quantity import KEYS, QUANTITIES, quantity_of
-from garmentcad.fabric.sheet import KesSheet, KesValue, is_calibrated, sheet_data, sheet_from, sheet_sha256
+from garmentcad.fabric.sheet import CalibratedLaw, KesSheet, KesValue, is_calibrated, sheet_data, sheet_from, sheet_sha256
 
 BASE: dict[str, Any] = {"schema": 1, "name": "x", "source": "our laboratory"}
 
@@ -99,6 +99,16 @@ def test_with_values_replaces_and_refuses() -> None:
         sheet.with_values({"W": KesValue(value=1000.0)})
     with pytest.raises(FabricError, match="is not a value of a KES sheet"):
         sheet.with_values({"Q": KesValue(value=1.0)})
+    with pytest.raises(FabricError, match=r"B.warp: 0.5 came, of the type float; a KesValue\(value=...\)"):
+        sheet.with_values({"B.warp": 0.5})  # type: ignore[dict-item]
+
+
+def test_a_copy_with_other_numbers_has_no_law_values() -> None:
+    sheet = sheet_from({**BASE, "W": 12})
+    sheet = sheet.model_copy(update={"law": CalibratedLaw(sheet_sha256=sheet_sha256(sheet), values={"G.warp": 0.5})})
+    assert sheet.with_values({"W": KesValue(value=12.0, source="the mill")}).law == sheet.law
+    assert sheet.with_values({"W": KesValue(value=13.0)}).law is None
+    assert sheet.with_values({"T0": KesValue(value=0.4)}).law is None
 
 
 def test_hash_sees_numbers_only() -> None:

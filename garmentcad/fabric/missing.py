@@ -161,7 +161,7 @@ def complete(sheet: KesSheet) -> Completed:
         least = 100.0 * least_resilience(solve_exponent(numbers[f"LT.{way}"]))
         if numbers[f"RT.{way}"] < least:
             findings.append(Finding("warning", f"RT.{way}", f"with LT = {numbers[f'LT.{way}']:g} the law gives back {least:.0f} % at least; it prints that"))
-    done = sheet.with_values(filled)
+    done = sheet.with_values(filled).model_copy(update={"law": sheet.law})  # a law belongs to the numbers of the completed sheet
     if done.law is not None and not is_calibrated(done):
         findings.append(Finding("warning", "law", "the calibrated law belongs to other numbers of this sheet and is not used; calibrate again"))
     return Completed(done, tuple(findings), frozenset(filled))

@@ -156,17 +156,25 @@ class KesSheet(_Model):
         return self.sources.get(named, named)
 
     def with_values(self, values: Mapping[str, KesValue]) -> KesSheet:
-        """A copy with these values in place of its own. FabricError for an unknown key or an impossible number."""
+        """A copy with these values in place of its own; without `law` where that changes a number, because law values are solved for the numbers of a sheet.
+
+        FabricError for an unknown key, a value that is no KesValue and an impossible number. The copy may have gaps as any sheet may: what would fill them,
+        and whether that is possible beside the new values, is seen by `missing.complete`, which `load_fabric` and every drape call.
+        """
         data = sheet_data(self)
         for key, value in values.items():
             name, _, way = key.partition(".")
             quantity_of(key)
+            if not isinstance(value, KesValue):
+                allowed = "a KesValue(value=...) with its `source` or `estimate` is allowed"
+                raise FabricError(f"{value!r:.100} came, of the type {type(value).__name__}; {allowed}", key=key)
             entry = value.model_dump(exclude_none=True)
             if way:
                 data.setdefault(name, {})[way] = entry
             else:
                 data[name] = entry
-        return sheet_from(data)
+        changed = sheet_from(data)
+        return changed if sheet_sha256(changed) == sheet_sha256(self) else changed.model_copy(update={"law": None})
 
 
 _FIELD = {field.alias: name for name, field in KesSheet.model_fields.items() if field.alias}
