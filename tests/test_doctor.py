@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 
 from garmentcad.check.doctor import check_pattern, refusal
+from garmentcad.check.examine import examine
 from garmentcad.check.finding import Finding
 from garmentcad.check.gather import check_gathers, fullest
 from garmentcad.fabric.material import material_row
@@ -244,6 +245,26 @@ def test_gathers_against_the_fabric() -> None:
     soft = stiff._replace(bending=row.bending)
     assert (fullest(soft) - 1.0) / (fullest(stiff) - 1.0) == pytest.approx(8.0)
     assert fullest(soft._replace(thickness=0.6e-3)) == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize(
+    ("factors", "severity", "key", "said"),
+    [
+        ({"W": 5}, "note", "W", "times 5, W is 93.5 mg/cm2; a sheet may have 1 to 90 mg/cm2"),
+        ({"W": 20}, "warning", "W", "times 20, W is 374 mg/cm2; a sheet may have 1 to 90 mg/cm2"),
+        ({"EMT": 100, "G": 2}, "warning", "EMT", "a sheet may have 0.2 to 150 %"),
+        ({"B.warp": 1e-3}, "warning", "B.warp", "times 0.001, B.warp is "),
+    ],
+)
+def test_a_factor_that_takes_a_value_out_of_the_range_of_a_sheet_is_found(factors: dict[str, float], severity: str, key: str, said: str) -> None:
+    data = copy.deepcopy(GOOD)
+    data["panels"]["front"]["regions"] = [{"name": "r", "band": {"edge": "hem", "width": 50}, "factors": factors}]
+    data["fabric"] = "interlock-knit"
+    found = [finding for finding in examine(parse_spec(data, "tube.yaml")) if finding.code == "factor-out-of-range"]
+    assert [(finding.severity, finding.key) for finding in found] == [(severity, f"panels.front.regions.r.factors.{key}")]
+    assert said in found[0].message
+    data["panels"]["front"]["regions"][0]["factors"] = {"W": 2, "EMT": 0.5, "B": 4}
+    assert "factor-out-of-range" not in {finding.code for finding in examine(parse_spec(data, "tube.yaml"))}
 
 
 def test_errors_come_first() -> None:

@@ -295,6 +295,8 @@ FAULTS: list[tuple[Callable[[dict[str, Any]], Any], str, str]] = [
     (lambda d: d["panels"]["front"]["notches"][0]["at"].update(mm=9999), f"{P}.notches.0.at.mm", "came 9999; allowed is 0 to 5"),
     (lambda d: d["panels"]["front"]["regions"][0]["band"].update(edge="hen"), f"{P}.regions.0.band.edge", "did you mean 'hem'"),
     (lambda d: d["panels"]["front"]["regions"][1].update(name="border"), f"{P}.regions.1.name", "a second region"),
+    (lambda d: d["panels"]["front"]["regions"][0].update(factors={"B": 0}), f"{P}.regions.0.factors.B", "came 0; a factor above 0, up to 10000"),
+    (lambda d: d["panels"]["front"]["regions"][0].update(factors={"B": 10001}), f"{P}.regions.0.factors.B", "came 10001; a factor above 0, up to 10000"),
     (lambda d: d["panels"]["front"]["placement"]["wrap"].update(flare=95), f"{P}.placement.wrap.flare", "allowed is -89 to 89"),
     (lambda d: d["panels"]["front"]["placement"]["wrap"].update(flare=5, spiral=5), f"{P}.placement.wrap.spiral", "not on both"),
     (lambda d: d["panels"]["back"]["cutouts"][0][0].update(name="hem"), "panels.back.cutouts.0", "a second edge is called 'hem'"),

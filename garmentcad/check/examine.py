@@ -9,6 +9,7 @@ from pathlib import Path
 
 from garmentcad.analysis.clearance import clearing_moves, move_panels
 from garmentcad.check.doctor import check_pattern, refusal, worst_first
+from garmentcad.check.factor import check_factors
 from garmentcad.check.finding import Finding
 from garmentcad.check.gather import check_gathers
 from garmentcad.check.hardware import check_hardware
@@ -16,7 +17,7 @@ from garmentcad.check.placement import check_flat, check_moves, check_placement,
 from garmentcad.check.region import check_regions
 from garmentcad.check.wearing import check_wearing
 from garmentcad.cloth.lattice import build_cloth, check_grid
-from garmentcad.cloth.materials import lay_out_sheets, row_of
+from garmentcad.cloth.materials import lay_out_sheets, row_of, sheet_of
 from garmentcad.errors import InputError
 from garmentcad.fabric.sheet import KesSheet
 from garmentcad.io.fabric_file import fabric_path, load_fabric
@@ -27,7 +28,7 @@ from garmentcad.io.spec_file import spec_folder
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.draft import draft_errors
 from garmentcad.pattern.outfit import OutfitSpec, put_on
-from garmentcad.pattern.pattern import Pattern, key_of, named_fabrics, parts_of
+from garmentcad.pattern.pattern import Pattern, Region, key_of, named_fabrics, parts_of
 from garmentcad.pattern.scope import with_values
 from garmentcad.pattern.spec import GarmentSpec
 from garmentcad.placement.place import place_vertices
@@ -137,14 +138,17 @@ def _read_sheets(spec: GarmentSpec, pattern: Pattern, other: _Named | None) -> t
 
 
 def _check_fabrics(spec: GarmentSpec, pattern: Pattern, sheets: dict[str, KesSheet]) -> list[Finding]:
-    """Panels and regions whose factors or interfacing make impossible cloth; then gathers."""
+    """Panels and regions whose factors or interfacing make impossible cloth, or take it out of the range of sheets; then gathers."""
     found = []
     for panel in pattern.panels.values():
-        for part in parts_of(panel):
+        for key, part in {key_of(part, panel): part for part in parts_of(panel)}.items():  # once a band that fell into pieces
             try:
                 row_of(part, panel, pattern, sheets)
             except InputError as error:
-                found.append(refusal(type(error)(error.message, file=spec.file, key=f"{key_of(part, panel)}.{error.key}")))
+                found.append(refusal(type(error)(error.message, file=spec.file, key=f"{key}.{error.key}")))
+                continue
+            if isinstance(part, Region):
+                found += check_factors(part, sheet_of(part, panel, pattern, sheets), key, spec.file)
     return [*found, *check_gathers(pattern, sheets, spec.file)]
 
 

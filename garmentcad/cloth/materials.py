@@ -24,9 +24,14 @@ def first_rows(pattern: Pattern) -> dict[str, int]:
     return found
 
 
+def sheet_of(part: Panel | Region, panel: Panel, pattern: Pattern, sheets: Mapping[str, KesSheet]) -> KesSheet:
+    """The sheet of a panel, or of one of its regions, before factors and interfacing."""
+    return sheets[part.fabric or panel.fabric or pattern.fabric]
+
+
 def row_of(part: Panel | Region, panel: Panel, pattern: Pattern, sheets: Mapping[str, KesSheet]) -> MaterialRow:
     """The row of a panel, or of one of its regions. FabricError where its factors or its interfacing make impossible cloth."""
-    sheet = sheets[part.fabric or panel.fabric or pattern.fabric]
+    sheet = sheet_of(part, panel, pattern, sheets)
     factors = part.factors if isinstance(part, Region) else None
     return material_row(sheet, factors, sheets[part.interfacing] if part.interfacing else None)
 

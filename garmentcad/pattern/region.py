@@ -11,8 +11,9 @@ from garmentcad.geometry.polygon import loop_points, signed_area
 from garmentcad.pattern.darts import find_edge
 from garmentcad.pattern.pattern import Edge, Region
 from garmentcad.pattern.scope import Scope
-from garmentcad.pattern.spec import PanelSpec, RegionSpec
+from garmentcad.pattern.spec import Number, PanelSpec, RegionSpec
 
+MOST_FACTOR = 1e4
 _TOLERANCE_MM = 0.05
 
 
@@ -25,11 +26,18 @@ def draft_regions(spec: PanelSpec, edges: list[Edge], scope: Scope, key: str) ->
         where = f"{key}.regions.{k}"
         if names.index(region.name) < k:
             raise SpecError(f"a second region is called {region.name!r}; names differ within a panel", key=f"{where}.name")
-        factors = {name: scope.number(factor, f"{where}.factors.{name}", 0.0, 1e4) for name, factor in region.factors.items()}
+        factors = {name: _factor(factor, scope, f"{where}.factors.{name}") for name, factor in region.factors.items()}
         interfacing = region.interfacing if region.interfacing is not None or region.fabric is not None else spec.interfacing
         for polygon in _areas(region, edges, outline, scope, where):
             regions.append(Region(region.name, frozen(polygon), factors, region.fabric, interfacing))
     return tuple(regions)
+
+
+def _factor(expression: Number, scope: Scope, key: str) -> float:
+    value = scope.number(expression, key)
+    if not 0.0 < value <= MOST_FACTOR:
+        raise SpecError(f"came {value:g}; a factor above 0, up to {MOST_FACTOR:g}, is allowed", key=key)
+    return value
 
 
 def _areas(region: RegionSpec, edges: list[Edge], outline: np.ndarray, scope: Scope, key: str) -> list[np.ndarray]:
