@@ -81,6 +81,11 @@ def test_two_fabrics_are_refused(tmp_path: Path) -> None:
         read_fit_files([write(tmp_path, "two.csv", "name;W;E100\na;12;4\nb;13;5\n")])
 
 
+def test_a_unit_that_a_reading_does_not_have_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(FileError, match=r"fast.csv: line 7, column 'unit': the unit 'inch' for C.warp; allowed are mm, cm"):
+        read_fit_files([write(tmp_path, "fast.csv", FAST.replace("C;mm", "C;inch"))])
+
+
 def test_the_how_to_says_what_comes_out(tmp_path: Path) -> None:
     """The readings and the table of fitted values in docs/howto/from-fast-to-a-sheet.md."""
     page = (Path(__file__).parent.parent / "docs" / "howto" / "from-fast-to-a-sheet.md").read_text(encoding="utf-8")

@@ -109,13 +109,15 @@ def test_what_is_not_understood_is_reported(tmp_path: Path) -> None:
         ("warning", "line 5, the whole row"),
     ]
     assert "its 1 values are not used" in result.findings[1].message
+    assert result.findings[3].message == "the unit 'lbf in' for B.weft; allowed are gf.cm2/cm, uN.m, mN.m; its 1 values are not used"
 
 
 def test_rows_that_are_not_understood_are_reported(tmp_path: Path) -> None:
-    result = read(tmp_path, "property;warp;weft;remark\nW;12;;\nKoshi;5.1;;\nB;0.1;0.08;\nT0;0.3;0.4;\n")
+    result = read(tmp_path, "property;warp;weft;remark\nW;12;;\nKoshi;5.1;;\nB;0.1;0.08;\nT0;0.3;0.4;\nG [lbf];1;;\n")
     assert numbers(result.sheets[0]) == {"W": 12.0, "B.warp": 0.1, "B.weft": 0.08}
     keys = [finding.key for finding in result.findings]
-    assert keys == ["line 1, column 'remark'", "line 3, warp of 'Koshi'", "line 5, warp of 'T0'", "line 5, weft of 'T0'"]
+    assert keys == ["line 1, column 'remark'", "line 3, warp of 'Koshi'", "line 5, warp of 'T0'", "line 5, weft of 'T0'", "line 6, warp of 'G [lbf]'"]
+    assert result.findings[4].message == "the unit 'lbf' for G.warp; allowed are gf/(cm.deg), gf/(cm.degree), N/(m.deg), N/(m.rad), N/m; '1' is not used"
 
 
 BAD = [
@@ -134,6 +136,9 @@ BAD = [
     pytest.param("name,W,B\na,12,38,0,118\n", FileError, "line 2: 5 cells, but the header on line 1 has 3; decimal commas need", id="bare decimal commas"),
     pytest.param("name,W,weight g/m2\na,12,120\n", FabricError, "'W' and 'weight g/m2': both mean W", id="one value twice"),
     pytest.param("symbol,value\nW,12\nB,0.1\nW,13\n", FabricError, "line 4: W stands twice", id="one row twice"),
+    pytest.param("symbol,unit,value\nW,oz/yd2,5\n", FileError, "line 2, column 'unit': the unit 'oz/yd2' for W; allowed are mg/cm2, g/m2, gsm", id="ounces"),
+    pytest.param("symbol,unit,warp\nT0,mil,10\n", FileError, "line 2, column 'unit': the unit 'mil' for T0; allowed are mm, cm", id="mil"),
+    pytest.param("symbol,unit,warp\nMIU,N,0.2\n", FileError, "the unit 'N' for MIU.warp; allowed are none", id="unit of a number"),
     pytest.param("symbol,unit\nW,g\n", FileError, "no column of numbers", id="no numbers"),
     pytest.param('name,W\n"a,12\n', FileError, "not valid CSV", id="open quote"),
     pytest.param("name,W\na\0,12\n", FileError, "null characters", id="null"),

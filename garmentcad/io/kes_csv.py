@@ -1,6 +1,7 @@
 """CSV files of KES values as laboratories print them: one fabric a row, or one value a row. Comma, semicolon or tab; decimal point or comma.
 
-Nothing is dropped in silence: every column or row that is not understood is a finding, and a cell that should be a number and is not is refused.
+Nothing is dropped in silence: every column or row that is not understood is a finding. A cell that should be a number, or a unit of its value, and is not is
+refused.
 A value whose label names no direction is taken as the mean of warp and weft.
 """
 
@@ -15,7 +16,7 @@ from garmentcad.fabric.finding import Finding
 from garmentcad.fabric.quantity import QUANTITIES, Quantity
 from garmentcad.fabric.sheet import KesSheet, sheet_from
 from garmentcad.io.csv_table import BLANK, CsvTable, Row, cell_number, read_table, row_cells
-from garmentcad.io.kes_header import Label, label_words, read_label
+from garmentcad.io.kes_header import Label, label_words, read_label, unit_fault
 
 _TEXTS = {"name": "name", "fabric": "name", "fabric name": "name", "sample": "name", "source": "source", "fibre": "fibre", "fiber": "fibre"}
 _TEXTS |= {"composition": "fibre", "weave": "weave", "description": "description"}
@@ -116,7 +117,8 @@ class _ByFabric(_Reader):
             if meaning is None:
                 filled = sum(column < len(cells) and bool(cells[column].strip()) for _, cells in rows)
                 if cell.strip() or filled:
-                    self.skip(header_line, f"column {cell.strip()[:60]!r}", f"not understood; its {filled} values are not used")
+                    why = unit_fault(cell, "", self.quantities) or "not understood"
+                    self.skip(header_line, f"column {cell.strip()[:60]!r}", f"{why}; its {filled} values are not used")
                 continue
             if meaning in first:
                 where = f"line {header_line}, columns {first[meaning]!r} and {cell.strip()!r}"
@@ -180,7 +182,11 @@ class _ByValue(_Reader):
                     label = self.label(f"{entry['label']} {entry.get('unit', '')}")
                     label = None if label is None or "." in label.key else label
                 if label is None:
-                    self.skip(line, f"{role} of {entry['label'][:60]!r}", f"not understood; {entry[role][:60]!r} is not used")
+                    unit = entry.get("unit", "")
+                    fault = unit_fault(f"{way} {entry['label']}", unit, self.quantities) or unit_fault(entry["label"], unit, self.quantities)
+                    if fault and unit:
+                        raise FileError(f"line {line}, column {labels[places['unit']].strip()!r}: {fault}", file=self.file)
+                    self.skip(line, f"{role} of {entry['label'][:60]!r}", f"{fault or 'not understood'}; {entry[role][:60]!r} is not used")
                     continue
                 number = self.number(entry[role], label, line, f"column {role}")
                 if label.key in known:

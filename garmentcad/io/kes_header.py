@@ -45,20 +45,23 @@ _NUMBERED = re.compile(r"(lt|wt|rt|emt|2hg5|2hg|2hb|b|g|c)([12])")  # B1, B2: th
 
 _PER_RAD = math.pi / 180.0
 
-# Letters of the unit run together -> factor to the testers' unit. A label without a unit is in the testers' unit.
+# Units in which laboratories print a quantity -> factor to the testers'; read by their letters alone. A label without a unit is in the testers' unit.
 _UNITS: dict[str, dict[str, float]] = {
-    "-": {"": 1.0},
-    "%": {"": 1.0, "%": 1.0, "pct": 1.0, "percent": 1.0},
-    "mg/cm2": {"": 1.0, "mgcm2": 1.0, "gm2": 0.1, "gsm": 0.1},
-    "mm": {"": 1.0, "mm": 1.0, "cm": 10.0},
-    "um": {"": 1.0, "um": 1.0, "micron": 1.0},
-    "gf/cm": {"": 1.0, "gfcm": 1.0, "nm": 1.0 / 0.980665},
-    "gf.cm/cm2": {"": 1.0, "gfcmcm2": 1.0, "jm2": 1.0 / 0.980665},
+    "-": {},
+    "%": {"%": 1.0, "pct": 1.0, "percent": 1.0},
+    "mg/cm2": {"mg/cm2": 1.0, "g/m2": 0.1, "gsm": 0.1},
+    "mm": {"mm": 1.0, "cm": 10.0},
+    "um": {"um": 1.0, "micron": 1.0},
+    "gf/cm": {"gf/cm": 1.0, "N/m": 1.0 / 0.980665},
+    "gf.cm/cm2": {"gf.cm/cm2": 1.0, "J/m2": 1.0 / 0.980665},
     # N/m alone is per radian, as FAST has G
-    "gf/(cm.deg)": {"": 1.0, "gfcmdeg": 1.0, "gfcmdegree": 1.0, "nmdeg": 1.0 / 0.980665, "nmrad": _PER_RAD / 0.980665, "nm": _PER_RAD / 0.980665},
-    "gf.cm2/cm": {"": 1.0, "gfcm2cm": 1.0, "unm": 1.0 / 98.0665, "mnm": 1e3 / 98.0665},
-    "gf.cm/cm": {"": 1.0, "gfcmcm": 1.0, "n": 1.0 / 9.80665e-3, "mn": 1e-3 / 9.80665e-3},
-}
+    "gf/(cm.deg)": {
+        "gf/(cm.deg)": 1.0, "gf/(cm.degree)": 1.0, "N/(m.deg)": 1.0 / 0.980665, "N/(m.rad)": _PER_RAD / 0.980665, "N/m": _PER_RAD / 0.980665,
+    },
+    "gf.cm2/cm": {"gf.cm2/cm": 1.0, "uN.m": 1.0 / 98.0665, "mN.m": 1e3 / 98.0665},
+    "gf.cm/cm": {"gf.cm/cm": 1.0, "N": 1.0 / 9.80665e-3, "mN": 1e-3 / 9.80665e-3},
+}  # fmt: skip
+_BRACKETED = re.compile(r"(?P<label>.*)[\[(](?P<unit>[^\[\]]*)[\])]\s*")
 
 
 class Label(NamedTuple):
@@ -74,6 +77,9 @@ def label_words(text: str) -> list[str]:
     for sign, letters in (("²", "2"), ("^2", "2"), ("µ", "u"), ("μ", "u"), ("°", " deg "), ("%", " % ")):
         plain = plain.replace(sign, letters)
     return [word for word in re.split(r"[^a-z0-9%]+", plain) if word]
+
+
+_FACTORS = {quantity: {"": 1.0} | {"".join(label_words(unit)): factor for unit, factor in units.items()} for quantity, units in _UNITS.items()}
 
 
 def read_label(text: str, quantities: Mapping[str, Quantity] = QUANTITIES) -> Label | None:
@@ -97,7 +103,19 @@ def read_label(text: str, quantities: Mapping[str, Quantity] = QUANTITIES) -> La
             way = _DIRECTIONS[word]
         elif word != name.lower():  # `bending rigidity B`
             rest.append(word)
-    factor = _UNITS[quantity.unit].get("".join(rest))
+    factor = _FACTORS[quantity.unit].get("".join(rest))
     if factor is None:
         return None
     return Label(f"{name}.{way or 'mean'}" if quantity.directions else name, factor)
+
+
+def unit_fault(label: str, unit: str, quantities: Mapping[str, Quantity] = QUANTITIES) -> str | None:
+    """What to say of a unit, in a cell of its own or in brackets behind the label, that is none of what the label means; None where that is not the fault."""
+    match = _BRACKETED.fullmatch(label)
+    if not unit and match:
+        label, unit = match["label"], match["unit"]
+    meant = read_label(label, quantities)
+    if meant is None or read_label(f"{label} {unit}", quantities) is not None:
+        return None
+    allowed = _UNITS[quantities[meant.key.partition(".")[0]].unit]
+    return f"the unit {unit[:30]!r} for {meant.key}; allowed are {', '.join(allowed) or 'none'}"
