@@ -18,7 +18,7 @@ CYCLE, FROM_END, ONE_SIDE, TWICE = [0, 8, -8, 0], [-8, 8, -8], [0, 8, 0], [0, 8,
 
 
 def loop(test: str, x: np.ndarray, y: np.ndarray, way: str = "warp") -> RecordedLoop:
-    return record(test, way, x, y, "made up")  # type: ignore[arg-type]
+    return record(test, way, x, y, "made up.csv", "column 'force'")  # type: ignore[arg-type]
 
 
 def within(fitted: list[FittedValue], truth: dict[str, float], widest: float) -> None:

@@ -32,7 +32,7 @@ def within(fitted: list[FittedValue], truth: dict[str, float], widest: float) ->
 
 
 def loop(x: np.ndarray, y: np.ndarray, way: str = "weft") -> RecordedLoop:
-    return record("tension", way, x, y, "made up")
+    return record("tension", way, x, y, "made up.csv", "column 'force'")
 
 
 @pytest.mark.parametrize("case", CASES)
@@ -130,7 +130,7 @@ def test_a_sudden_fall_in_a_long_first_step_back_is_in_the_bounds() -> None:
 def test_a_recorder_that_goes_back_by_less_than_a_tenth_of_the_range_does_not_turn(back_to: float, turns: int) -> None:
     """On the way out from 0 to 8 it stops at 6 and goes back a little."""
     x = sweep([0.0, 6.0, back_to, 8.0, 0.0], 321)
-    found = record("tension", "warp", x, tension_record(x, 0.9, 100.0, 8.0, 500.0), "made up")
+    found = record("tension", "warp", x, tension_record(x, 0.9, 100.0, 8.0, 500.0), "made up.csv", "column 'force'")
     assert len(found.turns) == turns
     assert x[list(found.turns)] == pytest.approx([0.0, 8.0, 0.0] if turns == 3 else [0.0, 6.0, 5.0, 8.0, 0.0], abs=0.06)
 

@@ -18,7 +18,6 @@ def fit(
 ) -> None:
     """Fit a sheet to tests, with the bounds that they leave."""
     from garmentcad.fabric.fit import fit_sheet
-    from garmentcad.fabric.missing import complete, noticed
     from garmentcad.fabric.quantity import quantity_of
     from garmentcad.io.fabric_file import write_fabric
     from garmentcad.io.fit_csv import read_fit_files
@@ -28,18 +27,12 @@ def fit(
     if out.suffix.lower() not in (".yaml", ".yml"):
         raise InputError(f"cannot write '{out.suffix or out.name}'; .yaml is allowed", file=str(out), key="--out")
     values, loops, findings = read_fit_files(files)
-    names = ", ".join(path.name for path in files)
-    sheet, fitted = fit_sheet(out.stem, f"fitted to {names} by garmentcad fabric fit", values, loops)
-    completed = complete(sheet) if sheet.W is not None else None
-    remarks = noticed(sheet) if completed is None else completed.findings
+    sheet, fitted, assumed, remarks = fit_sheet(out.stem, values, loops)
     write_fabric(out, sheet)
     said = [str(finding) for finding in (*findings, *remarks)]
-    if completed is None:
-        said.append("warning: W: no mass per area came; the sheet needs one before anything can be draped")
     rows = [{**value._asdict(), "unit": quantity_of(value.key).unit} for value in fitted]
     if as_json:
-        assumed = sorted(completed.assumed) if completed else []
-        print(json.dumps({"fabric": sheet.name, "sheet": str(out), "fitted": rows, "assumed": assumed, "findings": said}))
+        print(json.dumps({"fabric": sheet.name, "sheet": str(out), "fitted": rows, "assumed": sorted(assumed), "findings": said}))
         return
     from rich.console import Console
 

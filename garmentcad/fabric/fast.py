@@ -64,15 +64,16 @@ def fit_fast(values: Mapping[str, float]) -> list[FittedValue]:
     for way in WAYS:
         fitted += _tension({name: values[f"{name}.{way}"] for name in LOADS_GF_CM if f"{name}.{way}" in values}, way)
     if fitted:
-        fitted.append(FittedValue("Fm", FORCE_GF_CM, FORCE_GF_CM, FORCE_GF_CM, "the largest load of FAST-3"))
+        of = tuple(key for key in values if key.partition(".")[0] in LOADS_GF_CM)
+        fitted.append(FittedValue("Fm", FORCE_GF_CM, FORCE_GF_CM, FORCE_GF_CM, "the largest load of FAST-3", of))
     if "EB5" in values:
         fitted.append(_shear(values["EB5"], values))
     for way in BENDING_WAYS:
         lengths = {name: values[f"{name}.{way}"] * factor for name, factor in (("C", 2.0), ("overhang", 1.0)) if f"{name}.{way}" in values}
         if len(lengths) == 2:
             raise FabricError("both a bending length and an overhang are given; one of them is allowed", key=f"C.{way}")
-        for overhang in lengths.values():
-            fitted.append(_bending(overhang, way, values.get("W")))
+        for name, overhang in lengths.items():
+            fitted.append(_bending(name, overhang, way, values.get("W")))
     return fitted
 
 
@@ -86,16 +87,17 @@ def _tension(readings: dict[str, float], way: str) -> list[FittedValue]:
     if strains != sorted(strains):
         raise FabricError(f"{', '.join(f'{name} = {value:g} %' for name, value in readings.items())}: a larger load cannot stretch less", key=f"E100.{way}")
     forces = [LOADS_GF_CM[name] for name in readings]
+    of = tuple(f"{name}.{way}" for name in readings)
     if len(readings) == 1:
         end = strains[0]
-        return [FittedValue(f"EMT.{way}", end, end - EXTENSION_READING, end + EXTENSION_READING, "E100 as read")]
+        return [FittedValue(f"EMT.{way}", end, end - EXTENSION_READING, end + EXTENSION_READING, "E100 as read", of)]
     best = _fit_curve(forces, strains)
     spread = max(EXTENSION_READING, best.miss)
     corners = [_fit_curve(forces, [e + s * spread for e, s in zip(strains, signs)]) for signs in itertools.product((-1.0, 1.0), repeat=len(strains))]
     how = f"exponential law through {', '.join(readings)}, off by {best.miss:.2f} % at most; readings +-{spread:.2f} %"
     ends = [curve.em for curve in (best, *corners)]
     shapes = [linearity(curve.exponent) for curve in (best, *corners)]
-    return [FittedValue(f"EMT.{way}", best.em, min(ends), max(ends), how), FittedValue(f"LT.{way}", shapes[0], min(shapes), max(shapes), how)]
+    return [FittedValue(f"EMT.{way}", best.em, min(ends), max(ends), how, of), FittedValue(f"LT.{way}", shapes[0], min(shapes), max(shapes), how, of)]
 
 
 def _fit_curve(forces: list[float], strains: list[float]) -> _Curve:
@@ -114,21 +116,22 @@ def _fit_curve(forces: list[float], strains: list[float]) -> _Curve:
 def _shear(bias: float, values: Mapping[str, float]) -> FittedValue:
     """G from the bias extension. Yarns that stretch take a part of it, 1/E45 = (1/G + 1/E1 + 1/E2)/4, which sets the upper bound where E5 is known."""
     force = LOADS_GF_CM["E5"] * GF_CM_TO_N_M
-    yarns = [values.get(f"E5.{way}", values.get("E5.mean")) for way in ("warp", "weft")]
-    known = [yarn + EXTENSION_READING for yarn in yarns if yarn is not None]
+    yarns = [next((key for key in (f"E5.{way}", "E5.mean") if key in values), None) for way in ("warp", "weft")]
+    of = [yarn for yarn in yarns if yarn is not None]
+    known = [values[yarn] + EXTENSION_READING for yarn in of]
     rest = 4.0 * (bias - EXTENSION_READING) - sum(known)
     if rest <= 0.5 * bias:
-        raise FabricError(f"{bias:g} % is no more than its yarns give (E5 {', '.join(f'{yarn:g}' for yarn in yarns if yarn is not None)} %)", key="EB5")
+        raise FabricError(f"{bias:g} % is no more than its yarns give (E5 {', '.join(f'{values[yarn]:g}' for yarn in of)} %)", key="EB5")
 
     def stiffness(stretch_percent: float) -> float:
         return force / (stretch_percent / 100.0) / GF_CM_DEG_TO_N_M_RAD
 
     how = "122.6/EB5 N/m, reading +-0.05 %" + ("; the upper bound lets the yarns take their E5" if known else "; yarns taken as stiff")
-    return FittedValue("G.mean", stiffness(4.0 * bias), stiffness(4.0 * (bias + EXTENSION_READING)), stiffness(rest), how)
+    return FittedValue("G.mean", stiffness(4.0 * bias), stiffness(4.0 * (bias + EXTENSION_READING)), stiffness(rest), how, ("EB5", *dict.fromkeys(of)))
 
 
-def _bending(overhang_mm: float, way: str, w: float | None) -> FittedValue:
-    """B from the overhang at 41.5 degrees."""
+def _bending(name: str, overhang_mm: float, way: str, w: float | None) -> FittedValue:
+    """B from the overhang at 41.5 degrees. name: of the length that was read."""
     if w is None:
         raise FabricError("W is missing; a length of a cantilever gives B only with the mass per area", key="W")
 
@@ -137,4 +140,4 @@ def _bending(overhang_mm: float, way: str, w: float | None) -> FittedValue:
 
     low, high = (stiffness(overhang_mm + s * LENGTH_READING, 1.0 + s * WEIGHT_READING) for s in (-1.0, 1.0))
     how = f"exact elastica, overhang {overhang_mm:g} mm at 41.5 degrees; readings +-0.5 mm, W +-1 %; friction not taken out, so rather too high"
-    return FittedValue(f"B.{way}", stiffness(overhang_mm, 1.0), low, high, how)
+    return FittedValue(f"B.{way}", stiffness(overhang_mm, 1.0), low, high, how, (f"{name}.{way}", "W"))

@@ -57,7 +57,7 @@ def fit_friction(loops: Sequence[RecordedLoop]) -> list[FittedValue]:
             # a kink under the stretch errs in proportion to it; what noise alone would change is no kink
             half = spread[name] + 3.0 * max(0.0, abs(kinked[name]) - by_noise[name] / SIGMAS) + RESOLVED * abs(value)
             how = f"{loop.test} loop of {len(loop.x)} samples" + (window if name == READINGS[loop.test].stiffness else "")
-            fitted.append(FittedValue(f"{name}.{loop.way}", value, max(0.0, value - half), value + half, how))
+            fitted.append(FittedValue(f"{name}.{loop.way}", value, max(0.0, value - half), value + half, how, (loop.key,)))
     return fitted
 
 

@@ -36,7 +36,7 @@ def fit_tension(loops: Sequence[RecordedLoop]) -> list[FittedValue]:
         raise FabricError(f"the loops end at {', '.join(f'{top:.4g}' for top in tops)} gf/cm; Fm belongs to the whole sheet, within 3 %", key="Fm")
     mean = float(np.mean(tops))
     force = next((nominal for nominal in NOMINAL_GF_CM if abs(mean - nominal) <= NEAR * nominal), mean)
-    fitted = [FittedValue("Fm", force, min(force, *tops), max(force, *tops), "where the tension loops end")]
+    fitted = [FittedValue("Fm", force, min(force, *tops), max(force, *tops), "where the tension loops end", tuple(loop.key for loop in loops))]
     for loop in loops:
 
         def values(record: RecordedLoop) -> dict[str, float]:
@@ -45,7 +45,8 @@ def fit_tension(loops: Sequence[RecordedLoop]) -> list[FittedValue]:
         found, spread = values(loop), spread_by_noise(loop, values)
         for name, value in found.items():
             half = spread[name] + (RESOLVED + STEPS / len(loop.x) ** 2) * abs(value) + (_unseen_of_turn(loop) if name == "RT" else 0.0)
-            fitted.append(FittedValue(f"{name}.{loop.way}", value, value - half, value + half, f"tension loop of {len(loop.x)} samples"))
+            how = f"tension loop of {len(loop.x)} samples"
+            fitted.append(FittedValue(f"{name}.{loop.way}", value, value - half, value + half, how, (loop.key,)))
     return fitted
 
 

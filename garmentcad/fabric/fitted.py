@@ -3,50 +3,57 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from pathlib import Path
 from typing import Any, NamedTuple
 
 from garmentcad.errors import FabricError
+from garmentcad.fabric.given import Given
 from garmentcad.fabric.missing import FILLED
 from garmentcad.fabric.sheet import KesSheet, sheet_from
 
 
 class FittedValue(NamedTuple):
-    """A value of a sheet in the testers' unit, the bounds that the test leaves open, and how it was had from what."""
+    """A value of a sheet in the testers' unit, the bounds that the test leaves open, how it was had, and of what: keys of readings (`E5.warp`, `W`) or of loops
+    (`RecordedLoop.key`)."""
 
     key: str
     value: float
     low: float
     high: float
     how: str
+    of: tuple[str, ...]
 
     def note(self) -> str:
         """The bounds and the way, as the sheet keeps them."""
         return f"{self.low:.4g} to {self.high:.4g}; {self.how}"
 
 
-def fitted_sheet(name: str, source: str, fitted: Iterable[FittedValue], printed: Mapping[str, float]) -> KesSheet:
-    """A sheet of fitted values, each with its bounds as a note, and of values that a tester printed. What neither gave stays blank.
+def fitted_sheet(name: str, fitted: Iterable[FittedValue], given: Mapping[str, Given], files: Mapping[str, str]) -> KesSheet:
+    """A sheet of fitted values, each with its bounds as a note, and of values that were given as they are. What neither gave stays blank. The sheet's `sources`
+    say which files hold what was given and what was fitted to.
 
-    source: who measured. FabricError for a key that comes twice and for what `sheet_from` refuses.
+    files: in which each of the keys stands that the fitted values are `of`. FabricError for a key that comes twice and for what `sheet_from` refuses.
     """
-    data: dict[str, Any] = {"schema": 1, "name": name, "source": source}
-    seen: set[str] = set()
+    data: dict[str, Any] = {"schema": 1, "name": name, "sources": {}}
+    origins: dict[str, str] = {}
 
-    def put(key: str, entry: Any) -> None:
-        if key in seen:
-            raise FabricError(f"{key} comes twice; once is allowed, leave one of them out", key=key)
-        seen.add(key)
+    def put(key: str, entry: dict[str, Any], source: str, origin: str) -> None:
+        if key in origins:
+            raise FabricError(f"{key} comes twice, {origins[key]} and {origin}; once is allowed, leave one of them out", key=key)
+        origins[key] = data["sources"][source] = origin
         quantity, _, way = key.partition(".")
         if way:
-            data.setdefault(quantity, {})[way] = entry
+            data.setdefault(quantity, {})[way] = entry | {"source": source}
         else:
-            data[quantity] = entry
+            data[quantity] = entry | {"source": source}
 
-    for key, number in printed.items():
-        put(key, number)
+    for key, one in given.items():
+        file = Path(one.file).name
+        put(key, {"value": one.value}, file, f"given in {file}")
     for value in fitted:
-        put(value.key, {"value": float(f"{value.value:.5g}"), "note": value.note()})
-    blank = [key for key in FILLED if not _given(key, seen)]
+        names = ", ".join(dict.fromkeys(Path(files[key]).name for key in value.of))
+        put(value.key, {"value": float(f"{value.value:.5g}"), "note": value.note()}, f"fit of {names}", f"fitted to {names} by garmentcad fabric fit")
+    blank = [key for key in FILLED if not _given(key, set(origins))]
     data["description"] = "Fitted to tests; the note of each fitted value holds its bounds." + (f" Not measured: {', '.join(blank)}." if blank else "")
     return sheet_from(data)
 

@@ -32,7 +32,7 @@ SIGMAS = 3.0
 class RecordedLoop(NamedTuple):
     """x, y in the order of time. Tension: strain %, gf/cm; shear: degrees, gf/cm; bending: 1/cm, gf.cm/cm. Made by `record`.
 
-    turns: first sample, samples where the recorder turns, last sample; place: file and column, for messages.
+    turns: first sample, samples where the recorder turns, last sample; file, place: where it stands, for messages.
     """
 
     test: Test
@@ -40,11 +40,17 @@ class RecordedLoop(NamedTuple):
     x: np.ndarray
     y: np.ndarray
     turns: tuple[int, ...]
+    file: str
     place: str
+
+    @property
+    def key(self) -> str:
+        """What was tested: `tension.warp`."""
+        return f"{self.test}.{self.way}"
 
     def refuse(self, message: str) -> FabricError:
         """The error for this loop."""
-        return _refuse(self.place, message)
+        return _refuse(self.file, self.place, message)
 
 
 class Leg(NamedTuple):
@@ -55,22 +61,22 @@ class Leg(NamedTuple):
     direction: float
 
 
-def record(test: Test, way: str, x: np.ndarray, y: np.ndarray, place: str) -> RecordedLoop:
+def record(test: Test, way: str, x: np.ndarray, y: np.ndarray, file: str, place: str) -> RecordedLoop:
     """A loop from its samples. FabricError for too few of them, no extent, numbers that are not finite, a record that never turns back, and samples that stand
     alone or still."""
     if not MIN_SAMPLES <= len(x) <= MAX_SAMPLES:
-        raise _refuse(place, f"{len(x)} samples; {MIN_SAMPLES} to {MAX_SAMPLES} are allowed")
+        raise _refuse(file, place, f"{len(x)} samples; {MIN_SAMPLES} to {MAX_SAMPLES} are allowed")
     if not (np.isfinite(x).all() and np.isfinite(y).all()):
-        raise _refuse(place, "there are numbers that are not finite")
+        raise _refuse(file, place, "there are numbers that are not finite")
     extent = float(np.ptp(x))
     if extent <= 0.0 or float(np.ptp(y)) <= 0.0:
-        raise _refuse(place, "the curve has no extent")
+        raise _refuse(file, place, "the curve has no extent")
     if (jump := _alone(x, AROUND_TURN, ALONE_AT_TURN * _range(x))) is not None:
-        raise _refuse(place, f"sample {jump + 1} stands alone at {x[jump]:g}, between {x[max(0, jump - 1)]:g} and {x[min(len(x) - 1, jump + 1)]:g}")
+        raise _refuse(file, place, f"sample {jump + 1} stands alone at {x[jump]:g}, between {x[max(0, jump - 1)]:g} and {x[min(len(x) - 1, jump + 1)]:g}")
     turns = _turns(x, TURN * extent)
     if len(turns) < 3:
-        raise _refuse(place, "the curve never turns back (a table sorted by its first column is no record of time)")
-    loop = RecordedLoop(test, way, x, y, tuple(turns), place)
+        raise _refuse(file, place, "the curve never turns back (a table sorted by its first column is no record of time)")
+    loop = RecordedLoop(test, way, x, y, tuple(turns), file, place)
     height = _range(y)
     off = max(ALONE_SHARE * height, ALONE_SIGMAS * noise_of(y, x))
     for a, b in _moving(x, turns, AT_TURN * extent):
@@ -129,8 +135,8 @@ def cut_legs(loop: RecordedLoop) -> list[Leg]:
     return [Leg(x[a : b + 1], y[a : b + 1], float(np.sign(x[b] - x[a]))) for a, b in itertools.pairwise(loop.turns)]
 
 
-def _refuse(place: str, message: str) -> FabricError:
-    return FabricError(f"{message}; a loop that leads out and comes back, in the order of time, is wanted", key=place)
+def _refuse(file: str, place: str, message: str) -> FabricError:
+    return FabricError(f"{message}; a loop that leads out and comes back, in the order of time, is wanted", file=file, key=place)
 
 
 def _turns(x: np.ndarray, threshold: float) -> list[int]:

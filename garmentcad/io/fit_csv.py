@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from garmentcad.errors import FabricError, FileError
 from garmentcad.fabric.finding import Finding
+from garmentcad.fabric.given import Given
 from garmentcad.fabric.recorded_loop import RecordedLoop
 from garmentcad.io.csv_table import read_table
 from garmentcad.io.kes_csv import fabric_values, known_labels
@@ -22,14 +23,14 @@ WANTED = "`strain warp [%];force warp [gf/cm]` (curves) or `property;unit;warp;w
 class FitInput(NamedTuple):
     """Values by key (KES and FAST), loops, and what was not understood."""
 
-    values: dict[str, float]
+    values: dict[str, Given]
     loops: list[RecordedLoop]
     findings: list[Finding]
 
 
 def read_fit_files(paths: Sequence[str | Path]) -> FitInput:
     """All that the files hold of one fabric. FileError or FabricError for what is no such file, several fabrics, or a value in two of them."""
-    values: dict[str, float] = {}
+    values: dict[str, Given] = {}
     loops: list[RecordedLoop] = []
     findings: list[Finding] = []
     for path in paths:
@@ -42,8 +43,10 @@ def read_fit_files(paths: Sequence[str | Path]) -> FitInput:
             if len(fabrics) > 1:
                 raise FileError(f"{len(fabrics)} fabrics came; a file of one fabric is wanted", file=file)
             for key, number in fabrics[0].values.items():
+                line = fabrics[0].lines[key]
                 if key in values:
-                    raise FabricError(f"{key} stands in an earlier file too; once is allowed", file=file, key=key)
-                values[key] = number
+                    earlier = f"{values[key].file}, line {values[key].line}"
+                    raise FabricError(f"line {line}: {key} stands in an earlier file too ({earlier}); once is allowed", file=file, key=key)
+                values[key] = Given(number, file, line)
         findings += table.findings
     return FitInput(values, loops, findings)

@@ -33,10 +33,11 @@ class KesCsv(NamedTuple):
 
 
 class FabricValues(NamedTuple):
-    """What a table says of one fabric: texts, numbers in the testers' units by key, and the line where it begins."""
+    """What a table says of one fabric: texts, numbers in the testers' units by key with their lines, and the line where it begins."""
 
     texts: dict[str, str]
     values: dict[str, float]
+    lines: dict[str, int]
     line: int
 
 
@@ -78,7 +79,7 @@ def _sheet(fabric: FabricValues, path: Path, source: str | None, number: int) ->
     try:
         return sheet_from(data)
     except FabricError as fault:
-        raise FabricError(f"line {fabric.line}: {fault.message}", file=str(path), key=fault.key) from None
+        raise FabricError(f"line {fabric.lines.get(fault.key or '', fabric.line)}: {fault.message}", file=str(path), key=fault.key) from None
 
 
 def _plain(cell: str) -> str:
@@ -136,7 +137,7 @@ class _ByFabric(_Reader):
             if not known:
                 self.skip(line, "the whole row", f"no value in it: {' '.join(raw).strip()[:100]!r}")
                 continue
-            fabrics.append(FabricValues({text: cells[c] for c, text in texts.items()}, known, line))
+            fabrics.append(FabricValues({text: cells[c] for c, text in texts.items()}, known, dict.fromkeys(known, line), line))
         return fabrics
 
 
@@ -162,12 +163,13 @@ class _ByValue(_Reader):
             raise FileError(f"line {header_line}: no column of numbers; a column value, warp, weft, mean or bias is wanted", file=self.file)
         texts: dict[str, dict[str, str]] = {}
         values: dict[str, dict[str, float]] = {}
-        lines: dict[str, int] = {}
+        lines: dict[str, dict[str, int]] = {}
+        first: dict[str, int] = {}
         for line, raw in rows:
             cells = row_cells((line, raw), header, self.file)
             entry = {role: cells[column] for role, column in places.items()}
             fabric = entry.get("name", "")
-            lines.setdefault(fabric, line)
+            first.setdefault(fabric, line)
             known = values.setdefault(fabric, {})
             about = texts.setdefault(fabric, {"name": fabric})
             filled = [role for role in numbered if entry[role].lower() not in BLANK]
@@ -193,4 +195,5 @@ class _ByValue(_Reader):
                     raise FabricError(f"line {line}: {label.key} stands twice for the same fabric; once is allowed", file=self.file)
                 if number is not None:
                     known[label.key] = number
-        return [FabricValues(texts[fabric], known, lines[fabric]) for fabric, known in values.items() if known]
+                    lines.setdefault(fabric, {})[label.key] = line
+        return [FabricValues(texts[fabric], known, lines[fabric], first[fabric]) for fabric, known in values.items() if known]

@@ -86,7 +86,7 @@ def recorded_loops(table: CsvTable, file: str) -> list[RecordedLoop]:
         allowed = BENDING_WAYS if column.test == "bending" else WAYS
         if way not in allowed:
             raise FileError(f"{where}: a {column.test} loop has no direction {way!r}{did_you_mean(way, allowed)}", file=file)
-        loops.append(record(column.test, way, x, y, f"{file}, column {label.strip()[:60]!r}"))
+        loops.append(record(column.test, way, x, y, file, f"column {label.strip()[:60]!r}"))
         lone = ""
     if lone:
         raise FileError(f"{lone}: no column of forces or moments on its right; one is wanted", file=file)
