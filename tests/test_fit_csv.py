@@ -194,3 +194,11 @@ def test_a_sheet_says_what_was_given_and_what_was_fitted_to_which_files(tmp_path
         "fitted to curves-warp-500.csv by garmentcad fabric fit",
         "fitted to cant.csv, w.csv by garmentcad fabric fit",
     ]
+
+
+def test_a_second_shear_loop_in_a_column_is_a_finding(tmp_path: Path) -> None:
+    angle = sweep([0, 8, -8, 8, -8, 0], 400)
+    file = write(tmp_path, "curves.csv", table("angle [deg];force [gf/cm]", angle, shear_record(angle, 0.6, 0.9, 1.5)))
+    values, loops, _ = read_fit_files([file])
+    said = [str(finding) for finding in fit_sheet("x", values, loops).findings]
+    assert f"warning: {file}: column 'force [gf/cm]': 200 of 400 samples, the first of them 201, are not used" in said[0]

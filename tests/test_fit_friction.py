@@ -7,7 +7,7 @@ import pytest
 from tester_records import bending_record, friction_record, shear_record, sweep
 
 from garmentcad.errors import FabricError
-from garmentcad.fabric.fit_friction import fit_friction
+from garmentcad.fabric.fit_friction import fit_friction, unread
 from garmentcad.fabric.fitted import FittedValue
 from garmentcad.fabric.recorded_loop import RecordedLoop, record
 
@@ -59,6 +59,16 @@ def test_bending_loop(seed: int) -> None:
     within(fitted, truth, 0.2)
     assert [value.key for value in fitted] == ["B.bias", "2HB.bias"]
     assert "between 0.5 and 1.5 /cm" in fitted[0].how
+
+
+def test_a_second_cycle_is_said_to_be_unread() -> None:
+    """The first cycle is half of the way."""
+    x = sweep(TWICE, 721)
+    (found,) = unread([loop("shear", x, shear_record(x, *SUITING.values()))])
+    assert str(found).startswith("warning: made up.csv: column 'force': 360 of 721 samples, the first of them 362, are not used")
+    for turns in (CYCLE, FROM_END, ONE_SIDE):
+        x = sweep(turns, 801) + 0.01 * np.random.default_rng(1).normal(size=801)
+        assert unread([loop("shear", x, shear_record(x, *SUITING.values()))]) == []
 
 
 def test_an_elastic_cloth_has_no_width() -> None:

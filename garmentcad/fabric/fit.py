@@ -8,7 +8,7 @@ from typing import NamedTuple
 from garmentcad.errors import FabricError
 from garmentcad.fabric.fast import FAST_QUANTITIES, fit_fast
 from garmentcad.fabric.finding import Finding
-from garmentcad.fabric.fit_friction import fit_friction
+from garmentcad.fabric.fit_friction import fit_friction, unread
 from garmentcad.fabric.fit_tension import fit_tension
 from garmentcad.fabric.fitted import FittedValue, fitted_sheet
 from garmentcad.fabric.given import Given
@@ -35,11 +35,12 @@ def fit_sheet(name: str, values: Mapping[str, Given], loops: Sequence[RecordedLo
         fitted += _fitted(values, loops, files)
         printed = {key: given for key, given in values.items() if not _is_reading(key)}
         sheet = fitted_sheet(name, fitted, printed, files)
+        findings = unread([loop for loop in loops if loop.test != "tension"])
         if sheet.W is None:
             lacking = Finding("warning", "W", "no mass per area came; the sheet needs one before anything can be draped")
-            return Fit(sheet, tuple(fitted), frozenset(), (*noticed(sheet), lacking))
+            return Fit(sheet, tuple(fitted), frozenset(), (*findings, *noticed(sheet), lacking))
         completed = complete(sheet)
-        return Fit(sheet, tuple(fitted), completed.assumed, completed.findings)
+        return Fit(sheet, tuple(fitted), completed.assumed, (*findings, *completed.findings))
     except FabricError as fault:
         if fault.file is not None:
             raise

@@ -9,13 +9,15 @@ the middle between the turns is the zero of the angle or curvature. A zero of fo
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
+from garmentcad.fabric.finding import Finding
 from garmentcad.fabric.fitted import FittedValue
-from garmentcad.fabric.recorded_loop import SIGMAS, Leg, RecordedLoop, cut_legs, spread_by_noise, value_near
+from garmentcad.fabric.recorded_loop import SIGMAS, TURN, RecordedLoop, spread_by_noise, value_near
 
 MIN_IN_WINDOW = 4
 RESOLVED = 1e-3  # share of a value that a record resolves at best
@@ -39,10 +41,11 @@ READINGS = {
 
 
 class _Side(NamedTuple):
-    """One side of zero, turned so that it leads out to positive x."""
+    """One side of zero, turned so that it leads out to positive x. samples: which of the record."""
 
     out: tuple[np.ndarray, np.ndarray]
     back: tuple[np.ndarray, np.ndarray]
+    samples: np.ndarray
 
 
 def fit_friction(loops: Sequence[RecordedLoop]) -> list[FittedValue]:
@@ -59,6 +62,18 @@ def fit_friction(loops: Sequence[RecordedLoop]) -> list[FittedValue]:
             how = f"{loop.test} loop of {len(loop.x)} samples" + (window if name == READINGS[loop.test].stiffness else "")
             fitted.append(FittedValue(f"{name}.{loop.way}", value, max(0.0, value - half), value + half, how, (loop.key,)))
     return fitted
+
+
+def unread(loops: Sequence[RecordedLoop]) -> list[Finding]:
+    """A finding for each loop of which a way is not read."""
+    found = []
+    for loop in loops:
+        left = np.setdiff1d(np.arange(len(loop.x)), np.concatenate([side.samples for side in _sides(loop)]))
+        if len(left) and np.ptp(loop.x[left]) > TURN * np.ptp(loop.x):
+            what = f"{len(left)} of {len(loop.x)} samples, the first of them {left[0] + 1}, are not used"
+            why = "of each side of zero the first way out and the first way back are read"
+            found.append(Finding("warning", f"{loop.file}: {loop.place}", f"{what}: {why}"))
+    return found
 
 
 def _narrowed(loop: RecordedLoop) -> dict[str, float]:
@@ -95,27 +110,26 @@ def _values(loop: RecordedLoop, narrower: float = 1.0) -> dict[str, float]:
 
 def _sides(loop: RecordedLoop) -> list[_Side]:
     """The sides of zero that have a way out and a way back, each the first of its kind in the record."""
-    reading, legs = READINGS[loop.test], cut_legs(loop)
+    reading = READINGS[loop.test]
     ends = float(loop.x.max()), float(loop.x.min())
     middle = 0.5 * sum(ends)
     zero = middle if abs(middle) <= MOST_OFFSET * (ends[0] - ends[1]) / 2.0 else 0.0
     sides = []
     for sign in (1.0, -1.0):
-        out = _first(legs, sign, sign, zero, reading.window[1])
-        back = _first(legs, sign, -sign, zero, reading.window[1])
+        x, y = sign * (loop.x - zero), sign * loop.y
+        out, back = (_first(x, loop.turns, direction, reading.window[1]) for direction in (1.0, -1.0))
         if out is not None and back is not None:
-            sides.append(_Side(out, back))
+            sides.append(_Side((x[out], y[out]), (x[back], y[back]), np.concatenate([out, back])))
     if not sides:
         raise loop.refuse(f"no side of zero has a way out and a way back beyond {reading.window[1]:g} {reading.unit}")
     return sides
 
 
-def _first(legs: list[Leg], sign: float, direction: float, zero: float, least: float) -> tuple[np.ndarray, np.ndarray] | None:
-    """The part of the first leg in this direction on this side of zero that goes past `least` and covers half of the way to the furthest point there."""
-    furthest = max(float((sign * (leg.x - zero)).max()) for leg in legs)
-    for leg in legs:
-        x = sign * (leg.x - zero)
-        here = x >= 0.0
-        if leg.direction == direction and furthest > least and here.any() and np.ptp(x[here]) >= 0.5 * furthest:
-            return x[here], sign * leg.y[here]
+def _first(x: np.ndarray, turns: Sequence[int], direction: float, least: float) -> np.ndarray | None:
+    """The samples above zero of the first leg in this direction that goes past `least` and covers half of the way to the furthest point there."""
+    furthest = float(x.max())
+    for a, b in itertools.pairwise(turns):
+        here = a + np.flatnonzero(x[a : b + 1] >= 0.0)
+        if direction * (x[b] - x[a]) > 0.0 and furthest > least and len(here) and np.ptp(x[here]) >= 0.5 * furthest:
+            return here
     return None

@@ -66,6 +66,8 @@ def _end(loop: RecordedLoop) -> dict[str, float]:
     out = cut_legs(loop)[0]
     if out.direction < 0.0:
         raise loop.refuse("the strain falls first")
+    if len(loop.turns) > 3:
+        raise loop.refuse(f"at sample {loop.turns[2] + 1} the strain grows again; one loop in a column is allowed")
     start, top = out.x[0], out.x.max()
     first = out.x <= start + START * (top - start)
     if first.sum() < LEAST:
