@@ -59,9 +59,7 @@ def finish(job: Job, look: Callable[[Progress], None], folder: Path | None, resu
         return _finish(job, look, folder, resume, begin)
 
 
-def _finish(
-    job: Job, look: Callable[[Progress], None], folder: Path | None, resume: bool, begin: Callable[[], None]
-) -> tuple[Result, WrittenFolder | None]:
+def _finish(job: Job, look: Callable[[Progress], None], folder: Path | None, resume: bool, begin: Callable[[], None]) -> tuple[Result, WrittenFolder | None]:
     checkpoint = None if folder is None else folder / CHECKPOINT
     outcome = run(job, look, checkpoint, resume, begin)
     made, measures = record(outcome)
