@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import pytest
 
 from garmentcad.errors import SpecError
-from garmentcad.export.report import blank_report
 from garmentcad.pattern.garment_test import Expected, Tolerance
+from garmentcad.pattern.pattern import Pattern
 from garmentcad.regression.assertion import expected_text, holds, judge, means, refuse_unknown_keys, values_at
+from garmentcad.regression.known_values import known_values
+from garmentcad.simulation.job import make_job
+
+KNOWN = known_values(Pattern("sheet", {}, (), "denim", "woman-88", {}, {}))  # of a garment that names nothing itself
 
 REPORT = {
     "status": "converged",
@@ -115,14 +120,74 @@ def test_texts_that_people_read() -> None:
 )
 def test_unknown_keys_are_refused_before_the_drape(key: str, says: str) -> None:
     with pytest.raises(SpecError, match=r"t\.yaml") as caught:
-        refuse_unknown_keys([key], blank_report(), "t.yaml", "report")
+        refuse_unknown_keys([key], KNOWN, "t.yaml", "report")
     assert says in caught.value.message
     assert caught.value.key == f"report.{key}"
 
 
-@pytest.mark.parametrize("key", ["constraints.gap_mm.button_1", "constraints.speed_m_s.peg", "bands.waist.tension_n.mean", "seam_tension.side.max"])
+@pytest.mark.parametrize(
+    ("key", "says"),
+    [
+        ("fold_deg.front.creese", "there is no 'front.creese' in fold_deg; did you mean 'front.crease'"),
+        ("fold_deg.front", "there is no 'front' in fold_deg"),
+        ("fold_deg.front.crease.max", "there is no 'max' in fold_deg.front.crease. There are none to choose from"),
+        ("seam_tension.sides.max_n_m", "there is no 'sides.max_n_m' in seam_tension. Allowed: front.dart, side"),
+        ("seam_tension.front.darts.max_n_m", "there is no 'front.darts' in seam_tension; did you mean 'front.dart'"),
+        ("seam_tension.front.dart.max", "there is no 'max' in seam_tension.front.dart; did you mean 'max_n_m'"),
+        ("seam_tension.front.dart", "this is a group of values; name one of them or write seam_tension.front.dart.*"),
+        ("constraints.gap_mm.button_2", "did you mean 'button_1'"),
+        ("bands.waist.tension", "did you mean 'tension_n'"),
+        ("bands.hip.tension_n", "there is no 'hip' in bands"),
+        ("versions.nump", "did you mean 'numpy'"),
+    ],
+)
+def test_names_that_the_garment_has_not_are_refused(key: str, says: str) -> None:
+    with pytest.raises(SpecError) as caught:
+        refuse_unknown_keys([key], named(), "t.yaml", "report")
+    assert says in caught.value.message
+
+
+def named() -> dict[str, Any]:
+    """What is known of a garment that names things itself."""
+    held = {"button_1": None, "peg": None}
+    bands = {"waist": dict.fromkeys(("tension_n", "length_mm"))}
+    seams = {name: dict.fromkeys(("mean_n_m", "max_n_m")) for name in ("side", "front.dart")}
+    own = {"fold_deg": {"front.crease": None, "back.crease": None}, "bands": bands, "seam_tension": seams}
+    return KNOWN | own | {"constraints": KNOWN["constraints"] | {"gap_mm": held, "speed_m_s": held}}
+
+
+@pytest.mark.parametrize(
+    "key",
+    [
+        "constraints.gap_mm.button_1", "constraints.speed_m_s.peg", "bands.waist.tension_n", "seam_tension.side.max_n_m", "seam_tension.front.dart.max_n_m",
+        "seam_tension.*.max_n_m", "fold_deg.front.crease", "fold_deg.*", "fold_deg.*.crease", "fold_deg.front.*", "fold_deg.*crease", "*.front.crease",
+    ],
+)  # fmt: skip
 def test_what_a_garment_names_itself_may_be_asserted(key: str) -> None:
-    refuse_unknown_keys([key], blank_report(), "t.yaml", "report")
+    refuse_unknown_keys([key], named(), "t.yaml", "report")
+
+
+def test_names_with_dots_are_asserted_as_they_are_printed() -> None:
+    report = {"fold_deg": {"front.crease": -20.3, "back.crease": None}, "seam_tension": {"front.dart": {"max_n_m": 3.0}, "side": {"max_n_m": 5.0}}}
+    for key in ("fold_deg.*", "fold_deg.*.crease", "fold_deg.front.crease"):
+        assert [(verdict.key, verdict.passed) for verdict in judge(report, {key: (-90, 90)})] == [("fold_deg.front.crease", True)]
+    assert values_at(report, "seam_tension.front.dart.max_n_m") == {"seam_tension.front.dart.max_n_m": 3.0}
+    assert values_at(report, "seam_tension.*.max_n_m") == {"seam_tension.front.dart.max_n_m": 3.0, "seam_tension.side.max_n_m": 5.0}
+    assert values_at(report, "fold_deg.front") == values_at(report, "fold_deg.front.crease.x") == {}
+    assert means([report, report], "fold_deg.front.crease") == {"fold_deg.front.crease": -20.3}
+
+
+def test_what_shipped_garments_name_themselves_is_known() -> None:
+    """Folds, darts and pleats among the seams, buttons, and an elastic; nothing where there is none."""
+    for garment, keys in (
+        ("mens-shirt", ["constraints.gap_mm.button_neck", "constraints.speed_m_s.button_1", "seam_tension.*.max_n_m"]),
+        ("pleated-skirt", ["fold_deg.front.knife_1_fold", "seam_tension.front.knife_1.mean_n_m", "seam_tension.yoke_front.dart_side.max_n_m"]),
+        ("wrap-skirt", ["bands.belt.max_tension_n"]),
+    ):
+        refuse_unknown_keys(keys, known_values(make_job(garment).pattern), "t.yaml", "report")
+    for key in ("fold_deg.*", "bands.*.tension_n", "constraints.gap_mm.button_neck"):
+        with pytest.raises(SpecError, match="There are none to choose from"):
+            refuse_unknown_keys([key], known_values(make_job("straight-skirt").pattern), "t.yaml", "report")
 
 
 def test_keys_of_the_report_are_known() -> None:
@@ -138,7 +203,7 @@ def test_keys_of_the_report_are_known() -> None:
         "energy_j.bend",
         "*.waist",
     ]
-    refuse_unknown_keys(known, blank_report(), "t.yaml", "report")
+    refuse_unknown_keys(known, KNOWN, "t.yaml", "report")
 
 
 def test_not_a_number_never_holds() -> None:

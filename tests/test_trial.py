@@ -238,6 +238,8 @@ def test_ctrl_c_ends_all_tests_with_its_message_and_130(case: GarmentTestCase, d
     [
         (TEST.replace("ease_mm.waist", "ease_mm.wist"), "report.ease_mm.wist: there is no 'wist' in ease_mm; did you mean 'waist'"),
         (TEST.replace("hem.nodes,", "hem.node,"), "baseline.hem.node: there is no 'node' in hem; did you mean 'nodes'"),
+        (TEST.replace("ease_mm.waist", "fold_deg.front.crease"), "report.fold_deg.front.crease: there is no 'front' in fold_deg. There are none"),
+        (TEST.replace("hem.nodes,", "seam_tension.side.max_n_m,"), "baseline.seam_tension.side.max_n_m: there is no 'side' in seam_tension"),
         (TEST.replace("hem.nodes,", "hem.nodes, hem.nodes,"), "z.garment-test.yaml: baseline: hem.nodes stands twice"),
         (TEST.replace("grid_mm: 30", "grid_mm: 25"), "grid_mm: '30' there, '25' here"),
         (TEST.replace("grid_mm: 30", "grid_mm: 0.1"), "z.garment-test.yaml: grid_mm: grid of 0.1 mm; 2 to 50 mm is allowed"),

@@ -8,14 +8,20 @@ import numpy as np
 import shapely
 
 from garmentcad.cloth.cloth import Cloth
+from garmentcad.pattern.pattern import Pattern
 from garmentcad.units import M_TO_MM
 
 _ON_MM = 0.01  # from the fold: a corner of a triangle that lies on it
 _STRETCH = 3.0  # grids of fold over which normals are averaged
 
 
+def fold_lines(pattern: Pattern) -> dict[str, np.ndarray]:
+    """Points (N,2) in panel mm of each fold line, by the name that the report gives it: "panel.fold"."""
+    return {f"{panel.name}.{fold.name}": fold.points_mm for panel in pattern.panels.values() for fold in panel.folds}
+
+
 def fold_angles_deg(cloth: Cloth, positions: np.ndarray, folds: Mapping[str, np.ndarray]) -> dict[str, float | None]:
-    """Mean angle along each fold, degrees: 0 is flat, positive where the right sides face each other. folds: "panel.fold" -> points (N,2) on the panel, mm.
+    """Mean angle along each fold, degrees: 0 is flat, positive where the right sides face each other. folds: see `fold_lines`.
 
     On each stretch of a fold, the angle from the mean normal of the triangles along one side to that of those along the other, about the direction of the fold;
     None where there is no cloth on both sides.

@@ -7,6 +7,7 @@ from typing import Literal
 
 Mode = Literal["drape", "dynamics"]
 Status = Literal["converged", "max_time", "diverged", "intersecting"]
+BAND_KEYS = ("tension_n", "max_tension_n", "length_mm", "rest_length_mm", "strain_percent")
 
 
 @dataclass(frozen=True)
@@ -15,7 +16,7 @@ class RunRecord:
 
     status: `intersecting` includes penetration of the mannequin. wall_time_s: setup, drape, total. rest: max_speed_m_s, rms_speed_m_s, kinetic_j_per_kg,
     residual_g_rms. constraints: max_gap_mm, max_speed_m_s (seams at the instant of welding, pins and buttons at the end), conflicting (list of names), gap_mm
-    and speed_m_s of each pin and button. bands: tension and length of each elastic and belt. seam_gap_mm: largest gap at the instant of welding.
+    and speed_m_s of each pin and button. bands: `BAND_KEYS` of each elastic and belt. seam_gap_mm: largest gap at the instant of welding.
     mannequin_penetration_mm: deepest point, 0 if none. self_intersections, mannequin_intersections: triangle pairs. energy_j: stretch, shear, bend, gravity,
     friction_work, internal_friction_work, damping_work. uncalibrated: the fabric's law values are the sheet's own. None stands for what was not measured.
     """

@@ -105,7 +105,7 @@ def build_report(record: RunRecord, measures: Measures) -> dict[str, Any]:
 
 
 def blank_report() -> dict[str, Any]:
-    """The report of a run of which nothing is known: every key that each report has, values None; nothing in what has an entry for each pin, button or band."""
+    """The report of a run of which nothing is known: every key that each report has, values None; nothing in what the garment names itself."""
     known: dict[str, Any] = {field.name: None for field in fields(RunRecord)} | {name: dict.fromkeys(keys) for name, keys in NESTED.items()}
     known["constraints"] |= {"gap_mm": {}, "speed_m_s": {}}
     return build_report(RunRecord(**known | {"versions": {}, "warnings": (), "bands": {}}), unmeasured(0, 0, 0, 0.0))

@@ -1,6 +1,7 @@
 """What a garment test says: how to drape, and what the report of that drape must hold (docs/howto/test-a-garment.md).
 
-A report key is the dotted path of a value in report.json (`ease_mm.waist`); `*` stands for any one name in it. What is expected there is one of
+A report key is the dotted path of a value in report.json (`ease_mm.waist`; of names that have dots themselves, too: `fold_deg.front.crease`); `*` stands for
+any one name in it. What is expected there is one of
 
     0, converged, true, null      exactly that; "*" is any value that was measured
     [15, 25]                      a number in that range, ends included; null is an open end

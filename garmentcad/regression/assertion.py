@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from typing import Any
@@ -22,37 +22,47 @@ class Verdict:
     passed: bool
 
 
-def refuse_unknown_keys(keys: Iterable[str], blank: Mapping[str, Any], file: str, place: str) -> None:
-    """SpecError for a key that no report has, or that stands for a group of values. blank: `blank_report()`; in a mapping that it leaves empty any name is
-    allowed."""
+def refuse_unknown_keys(keys: Iterable[str], known: Mapping[str, Any], file: str, place: str) -> None:
+    """SpecError for a key that the report will not have, or that stands for a group of values. known: see `known_values`."""
     for key in keys:
-        nodes: list[Any] = [blank]
-        for depth, name in enumerate(key.split(".")):
-            groups = [node for node in nodes if isinstance(node, Mapping)]
-            if not all(groups):
-                break
-            nodes = [value for node in groups for known, value in node.items() if fnmatchcase(known, name)]
-            if not nodes:
-                where = f"in {'.'.join(key.split('.')[:depth])}" if depth else "in a report"
-                message = f"there is no {shown(name)} {where}{did_you_mean(name, {known for node in groups for known in node})}"
-                raise SpecError(message, file=file, key=f"{place}.{key}")
-        else:
-            if all(isinstance(node, Mapping) and node for node in nodes):
-                raise SpecError(f"this is a group of values; name one of them or write {key}.*", file=file, key=f"{place}.{key}")
+        names = key.split(".")
+        reached: list[list[Any]] = [[known], *([] for _ in names)]  # what the first names of the key lead to, by how many they are
+        for depth, nodes in enumerate(reached):
+            for node in nodes:
+                for _, value, taken in _meant(node, names[depth:]):
+                    reached[depth + taken].append(value)
+        if not reached[-1]:
+            depth = max(depth for depth, nodes in enumerate(reached) if nodes)
+            allowed = {name for node in reached[depth] if isinstance(node, Mapping) for name in node}
+            longest = 1 + max((name.count(".") for name in allowed), default=0)
+            unknown = ".".join(names[depth : depth + longest])
+            where = f"in {'.'.join(names[:depth])}" if depth else "in a report"
+            raise SpecError(f"there is no {shown(unknown)} {where}{did_you_mean(unknown, allowed)}", file=file, key=f"{place}.{key}")
+        if all(isinstance(value, Mapping) for value in reached[-1]):
+            raise SpecError(f"this is a group of values; name one of them or write {key}.*", file=file, key=f"{place}.{key}")
 
 
 def values_at(report: Mapping[str, Any], key: str) -> dict[str, Any]:
     """Path -> value of all that a key means in a report. Values that were not measured (None) are left out where the key has a wildcard."""
-    found: dict[str, Any] = {"": report}
-    for name in key.split("."):
-        found = {
-            f"{path}.{known}".lstrip("."): value
-            for path, node in found.items()
-            if isinstance(node, Mapping)
-            for known, value in node.items()
-            if fnmatchcase(known, name)
-        }
+    found = {".".join(path): value for path, value in _below(report, key.split("."))}
     return {path: value for path, value in found.items() if value is not None} if ANY in key else found
+
+
+def _below(node: Any, names: list[str]) -> Iterator[tuple[tuple[str, ...], Any]]:
+    if not names:
+        yield (), node
+    for name, value, taken in _meant(node, names):
+        for path, found in _below(value, names[taken:]):
+            yield (name, *path), found
+
+
+def _meant(node: Any, names: list[str]) -> Iterator[tuple[str, Any, int]]:
+    """Each entry of a mapping that the first names of a key mean, and how many of them that takes: the garment's own names (`panel.fold`) have dots, too."""
+    if isinstance(node, Mapping):
+        for name, value in node.items():
+            for taken in range(1, min(len(names), 1 + name.count(".")) + 1):
+                if fnmatchcase(name, ".".join(names[:taken])):
+                    yield name, value, taken
 
 
 def means(reports: Sequence[Mapping[str, Any]], key: str) -> dict[str, Any]:

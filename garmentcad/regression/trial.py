@@ -11,13 +11,13 @@ import numpy as np
 
 from garmentcad.analysis.surface_distance import Surface, SurfaceDistance, surface_distance
 from garmentcad.errors import InputError, SpecError
-from garmentcad.export.report import blank_report
 from garmentcad.export.result_folder import Result, write_result_folder
 from garmentcad.io.garment_test_file import GarmentTestCase
 from garmentcad.pattern.garment_test import SHAPE, Expected
 from garmentcad.regression.assertion import Verdict, came_text, expected_text, holds, judge, means, refuse_unknown_keys
 from garmentcad.regression.baseline import Baseline, Shape, read_baseline, read_shape
 from garmentcad.regression.difference_picture import draw_difference
+from garmentcad.regression.known_values import known_values
 from garmentcad.regression.lays import Lay, drape_lays
 from garmentcad.simulation.course import Progress
 from garmentcad.simulation.job import Job, make_job
@@ -54,19 +54,21 @@ class Judgement:
 
 
 def job_of(case: GarmentTestCase) -> Job:
-    """The drape that a test asks for. InputError for what is refused, a key that no report has among it."""
+    """The drape that a test asks for. InputError for what is refused, a key that its report will not have among it."""
     test = case.test
-    for place, keys in (("report", test.report), ("baseline", [key for key in test.baseline if key != SHAPE])):
-        refuse_unknown_keys(keys, blank_report(), str(case.file), place)
     if twice := [key for k, key in enumerate(test.baseline) if key in test.baseline[:k]]:
         raise SpecError(f"{', '.join(twice)} stands twice; each key may stand once", file=str(case.file), key="baseline")
     fabric, mannequin = case.resolve(test.fabric, "fabrics"), case.resolve(test.mannequin, "mannequins")
     try:
-        return make_job(case.spec, fabric, mannequin, grid_mm=test.grid_mm, seed=test.seed, max_time_s=test.max_time_s)
+        job = make_job(case.spec, fabric, mannequin, grid_mm=test.grid_mm, seed=test.seed, max_time_s=test.max_time_s)
     except InputError as error:
         if error.file is not None:
             raise
         raise type(error)(error.message, file=str(case.file), key=_KEYS.get(error.key or "", error.key), others=error.others) from None
+    known = known_values(job.pattern)
+    for place, keys in (("report", test.report), ("baseline", [key for key in test.baseline if key != SHAPE])):
+        refuse_unknown_keys(keys, known, str(case.file), place)
+    return job
 
 
 def setting(case: GarmentTestCase, job: Job) -> dict[str, str]:

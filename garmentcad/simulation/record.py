@@ -9,10 +9,11 @@ import numba
 import numpy as np
 
 from garmentcad import __version__
+from garmentcad.analysis.folds import fold_lines
 from garmentcad.analysis.measures import Measures, measure
 from garmentcad.analysis.on_body import on_body
 from garmentcad.analysis.penetration import penetration_mm
-from garmentcad.analysis.run_record import RunRecord, Status
+from garmentcad.analysis.run_record import BAND_KEYS, RunRecord, Status
 from garmentcad.analysis.seam_tension import SeamTension, seam_tension
 from garmentcad.fabric.sheet import is_calibrated
 from garmentcad.forces.assembly import ForceAssembly
@@ -69,7 +70,7 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
         seed=job.seed,
         mode=job.mode,
         threads=numba.get_num_threads(),
-        versions={"garmentcad": __version__, "python": platform.python_version(), **{name: version(name) for name in LIBRARIES}},
+        versions=versions(),
         spec_sha256=job.spec_sha256,
         state_sha256=state.sha256(),
         status=status,
@@ -106,8 +107,13 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
         warnings=(*outcome.warnings, *_undone(job.pattern, held), *_torn(job.pattern, seams or {}), *fallen, *repairs, *_of_sheets(job)),
     )
     roles = edge_roles(job.pattern)
-    folds = {f"{panel.name}.{fold.name}": fold.points_mm for panel in job.pattern.panels.values() for fold in panel.folds}
-    return made, measure(cloth, state.positions, outcome.materials, body, roles, place_vertices(job.pattern, cloth, body), worn, seams, folds)
+    placed = place_vertices(job.pattern, cloth, body)
+    return made, measure(cloth, state.positions, outcome.materials, body, roles, placed, worn, seams, fold_lines(job.pattern))
+
+
+def versions() -> dict[str, str]:
+    """What a drape is made with: this program, Python and the libraries whose arithmetic it uses."""
+    return {"garmentcad": __version__, "python": platform.python_version(), **{name: version(name) for name in LIBRARIES}}
 
 
 def _residual_g(outcome: Outcome) -> float | None:
@@ -171,11 +177,10 @@ def _bands(outcome: Outcome) -> dict[str, dict[str, float]]:
     found = {}
     for number, band in enumerate(outcome.job.pattern.bands):
         mine = segments.band == number
-        length, rest = lengths[mine], float(segments.rest[mine].sum())
-        found[band.name] = {
-            "tension_n": float(np.average(tensions[mine], weights=length)), "max_tension_n": float(tensions[mine].max()),
-            "length_mm": M_TO_MM * float(length.sum()), "rest_length_mm": M_TO_MM * rest, "strain_percent": 100.0 * (float(length.sum()) / rest - 1.0),
-        }  # fmt: skip
+        length, rest = float(lengths[mine].sum()), float(segments.rest[mine].sum())
+        mean, most = np.average(tensions[mine], weights=lengths[mine]), tensions[mine].max()
+        values = (float(mean), float(most), M_TO_MM * length, M_TO_MM * rest, 100.0 * (length / rest - 1.0))
+        found[band.name] = dict(zip(BAND_KEYS, values, strict=True))
     return found
 
 
