@@ -297,6 +297,31 @@ def test_garments_without_a_baseline(tmp_path: Path, drapes: Fake) -> None:
         remake(case_in(tmp_path, "schema: 1\nspec: band.yaml\n"), 5, lambda said: None)
 
 
+def test_a_baseline_that_no_lay_can_have_costs_no_lays(tmp_path: Path, drapes: Fake) -> None:
+    """A key that the report will not have is refused before any test is draped, one without a number ends the first lay."""
+    case = case_in(tmp_path)
+    (tmp_path / "z.garment-test.yaml").write_text(TEST.replace("hem.nodes", "fold_deg.front.crease"))
+    drapes(AssertionError("draped"))
+    run = RUN.invoke(app, ["test", str(tmp_path), "--quiet", "--remake"])
+    assert isinstance(run.exception, InputError)  # `main.run` makes it exit code 2
+    assert "z.garment-test.yaml: baseline.fold_deg.front.crease: there is no" in str(run.exception)
+    lays = iter([drape_of(hem_height_mm=None)])
+    drapes(lambda job: next(lays))
+    with pytest.raises(UnfitBaselineError, match=r"baseline.hem_height_mm: a number is wanted of every lay, came \[None\]"):
+        remake(case, 6, lambda said: None)
+
+
+def test_folds_have_a_baseline_over_several_lays(tmp_path: Path, drapes: Fake) -> None:
+    case = case_in(tmp_path, "schema: 1\nspec: band.yaml\ngrid_mm: 30\nlays: 2\nbaseline: [fold_deg.*]\n")
+    crease = "internal_lines: {middle: [[100, 0], [100, height]]}\n    folds: [{name: crease, line: middle, angle: 90}]"
+    case.spec.write_text(case.spec.read_text().replace("    edges:", f"    {crease}\n    edges:", 1))
+    drapes(drape_of(fold_deg={"front.crease": -20.3, "back.crease": -20.3}))
+    assert set(remake(case, 6, lambda said: None).report) == {"fold_deg.front.crease", "fold_deg.back.crease"}
+    assert failed(case) == set()
+    drapes(drape_of(fold_deg={"front.crease": -50.0, "back.crease": -20.3}))
+    assert failed(case) == {"fold_deg.front.crease"}
+
+
 def test_pytest_collects_runs_and_reports(tmp_path: Path) -> None:
     """True drapes of the band in a pytest of its own: one holds, one fails, one is refused, foreign YAML is left alone."""
     case_in(tmp_path, "schema: 1\nspec: band.yaml\ngrid_mm: 30\nreport: {ease_mm.waist: [0, 60], self_intersections: 0, hem_height_mm: {value: 0, tol: 1}}\n")

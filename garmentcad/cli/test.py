@@ -98,10 +98,13 @@ def _print(name: str, judged: Judgement) -> None:
 def _remake(cases: list[GarmentTestCase], lays: int | None, quiet: bool) -> None:
     from garmentcad.io.garment_test_file import distinct_names
     from garmentcad.regression.remake import LAYS, remake
+    from garmentcad.regression.trial import job_of
 
     wanted = [case for case in cases if case.test.baseline]
     if not wanted:
         raise InputError("none of these tests names keys of a baseline; there is nothing to make", key="--remake")
+    for case in wanted:
+        job_of(case)  # what is wrong in the last file is said before the first is draped
     for name, case in zip(distinct_names(wanted), wanted):
         line = ProgressLine(quiet)
         baseline = remake(case, lays or LAYS, lambda said, name=name: print(f"{name}: {said}", flush=True), line.show)  # type: ignore[misc]

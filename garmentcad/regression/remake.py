@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from garmentcad import __version__
 from garmentcad.analysis.surface_distance import Surface, surface_distance
@@ -10,7 +10,7 @@ from garmentcad.errors import GarmentError, InputError, SpecError
 from garmentcad.io.garment_test_file import GarmentTestCase
 from garmentcad.pattern.garment_test import SHAPE
 from garmentcad.regression.assertion import values_at
-from garmentcad.regression.baseline import FEWEST_LAYS, RULE, Baseline, Figure, Shape, distance_figure, figure, write_baseline
+from garmentcad.regression.baseline import FEWEST_LAYS, RULE, Baseline, Shape, distance_figure, figure, write_baseline
 from garmentcad.regression.lays import Lay, drape_lays
 from garmentcad.regression.trial import job_of, setting
 from garmentcad.simulation.course import Progress
@@ -40,6 +40,7 @@ def remake(case: GarmentTestCase, lays: int, say: Callable[[str], None], look: C
         say(f"start {lay.seed}: {lay.result.report['status']}")
         if lay.result.report["status"] != "converged":
             raise UnfitBaselineError(f"start {lay.seed} ended as {lay.result.report['status']}; a garment that does not come to rest can have no baseline")
+        numbers_over(case, [lay])  # what the first lay has no number for is not looked for in all others
 
     drapes, refused = drape_lays(job, lays, at_rest, look)
     baseline = baseline_of(case, job, drapes, refused)
@@ -48,21 +49,26 @@ def remake(case: GarmentTestCase, lays: int, say: Callable[[str], None], look: C
     return baseline
 
 
-def baseline_of(case: GarmentTestCase, job: Job, drapes: list[Lay], refused: int) -> Baseline:
-    """The figures over lays. UnfitBaselineError where a key has no number in some lay, or the lays lie too far apart for a shape."""
-    report: dict[str, Figure] = {}
+def numbers_over(case: GarmentTestCase, drapes: Sequence[Lay]) -> dict[str, list[float | int]]:
+    """Path -> number of each lay, of all that the keys of a baseline mean. UnfitBaselineError where some lay has none."""
+    found: dict[str, list[float | int]] = {}
     for key in case.test.baseline:
         if key == SHAPE:
             continue
-        found = [values_at(lay.result.report, key) for lay in drapes]
-        if not found[0]:
+        by_lay = [values_at(lay.result.report, key) for lay in drapes]
+        if not by_lay[0]:
             raise UnfitBaselineError(f"{case.file}: baseline.{key}: no such value was measured")
-        for path in found[0]:
-            values = [values.get(path) for values in found]
-            numbers = [value for value in values if isinstance(value, (int, float)) and not isinstance(value, bool)]
-            if len(numbers) < len(values):
+        for path in by_lay[0]:
+            values = [values.get(path) for values in by_lay]
+            found[path] = [value for value in values if isinstance(value, (int, float)) and not isinstance(value, bool)]
+            if len(found[path]) < len(values):
                 raise UnfitBaselineError(f"{case.file}: baseline.{path}: a number is wanted of every lay, came {values}")
-            report[path] = figure(numbers, case.test.lays)
+    return found
+
+
+def baseline_of(case: GarmentTestCase, job: Job, drapes: list[Lay], refused: int) -> Baseline:
+    """The figures over lays. UnfitBaselineError where a key has no number in some lay, or the lays lie too far apart for a shape."""
+    report = {path: figure(numbers, case.test.lays) for path, numbers in numbers_over(case, drapes).items()}
     rms = biggest = None
     if SHAPE in case.test.baseline:
         first, *others = (Surface(lay.result.state.positions, lay.result.cloth.particle_triangles) for lay in drapes)
