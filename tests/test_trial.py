@@ -269,8 +269,8 @@ def test_baselines_are_made_of_lays(tmp_path: Path, drapes: Fake) -> None:
         return scattered(job)
 
     drapes(lay)
-    baseline = remake(case, 5, lambda said: None)
-    assert (baseline.lays, baseline.refused, len(set(seen))) == (5, 1, 6)
+    baseline = remake(case, 6, lambda said: None)
+    assert (baseline.lays, baseline.refused, len(set(seen))) == (6, 1, 7)
     hems = [600.0 + 0.02 * (height - 995.0) for number, height in enumerate(seen) if number != 2]
     assert baseline.report["hem_height_mm"].value == pytest.approx(np.mean(hems), abs=1e-3)
     assert baseline.report["hem_height_mm"].high == pytest.approx(max(hems), abs=1e-3)
@@ -289,12 +289,35 @@ def test_garments_without_a_baseline(tmp_path: Path, drapes: Fake) -> None:
     ):
         drapes(made)
         with pytest.raises(UnfitBaselineError, match=says):
-            remake(case, 5, lambda said: None)
+            remake(case, 6, lambda said: None)
     assert not case.baseline_file.exists()
-    with pytest.raises(InputError, match="at least 3"):
-        remake(case, 2, lambda said: None)
     with pytest.raises(SpecError, match="names no keys"):
-        remake(case_in(tmp_path, "schema: 1\nspec: band.yaml\n"), 5, lambda said: None)
+        remake(case_in(tmp_path, "schema: 1\nspec: band.yaml\n"), 6, lambda said: None)
+
+
+@pytest.mark.parametrize("lays", [-1, 0, 2, 3, 5])
+def test_lays_too_few_for_a_usable_tolerance_are_refused(lays: int, case: GarmentTestCase, drapes: Fake, tmp_path: Path) -> None:
+    drapes(AssertionError("draped"))
+    run = RUN.invoke(app, ["test", str(tmp_path), "--quiet", "--remake", "--lays", str(lays)])
+    assert isinstance(run.exception, InputError)
+    assert f"--lays: {lays} lays; at least 6 are allowed (of 5 a tolerance is 14.3 standard deviations wide" in str(run.exception)
+
+
+def test_tolerances_as_large_as_what_they_guard_are_told(tmp_path: Path, drapes: Fake) -> None:
+    """Of eight lays (k = 7.5, 8.6 for the seven distances): hems that scatter by 100 mm, radii by 2 mm on a grid of 30."""
+    case = case_in(tmp_path)
+    said: list[str] = []
+    drapes(scattered)
+    remake(case, 8, said.append)
+    assert not [line for line in said if "warning" in line]
+    hems, radii = iter([500.0, 700.0] * 4), iter([0.2, *[0.202, 0.206] * 3, 0.202])
+    drapes(lambda job: drape_of(hem_mm=600.0, hem_height_mm=next(hems), radius_m=next(radii)))
+    remake(case, 8, said.append)
+    told = [line for line in said if "warning" in line]
+    assert len(told) == 2
+    assert "hem_height_mm: the tolerance, 801, is larger than the value, 600: hardly any change will fail" in told[0]
+    assert "shape: the tolerance, 1" in told[1]
+    assert "more than 0.5 of the grid" in told[1]
 
 
 def test_a_baseline_that_no_lay_can_have_costs_no_lays(tmp_path: Path, drapes: Fake) -> None:

@@ -10,7 +10,7 @@ from garmentcad.errors import GarmentError, InputError, SpecError
 from garmentcad.io.garment_test_file import GarmentTestCase
 from garmentcad.pattern.garment_test import SHAPE
 from garmentcad.regression.assertion import values_at
-from garmentcad.regression.baseline import FEWEST_LAYS, RULE, Baseline, Shape, distance_figure, figure, write_baseline
+from garmentcad.regression.baseline import FEWEST_LAYS, RULE, Baseline, Shape, distance_figure, factor, figure, write_baseline
 from garmentcad.regression.lays import Lay, drape_lays
 from garmentcad.regression.trial import job_of, setting
 from garmentcad.simulation.course import Progress
@@ -26,12 +26,13 @@ class UnfitBaselineError(GarmentError):
 
 
 def remake(case: GarmentTestCase, lays: int, say: Callable[[str], None], look: Callable[[Progress], None] = lambda progress: None) -> Baseline:
-    """Drape `lays` lays and write the baseline of a test. say: told of each lay.
+    """Drape `lays` lays and write the baseline of a test. say: told of each lay, and of tolerances that are too wide.
 
     InputError for a test that is refused, UnfitBaselineError where lays end otherwise than at rest, or lie too far apart for a shape; then nothing is written.
     """
     if lays < FEWEST_LAYS:
-        raise InputError(f"{lays} lays; at least {FEWEST_LAYS} are allowed", key="--lays")
+        wide = f"of {FEWEST_LAYS - 1} a tolerance is {factor(FEWEST_LAYS - 1):.3g} standard deviations wide, of fewer still more: it holds for almost anything"
+        raise InputError(f"{lays} lays; at least {FEWEST_LAYS} are allowed ({wide})", key="--lays")
     if not case.test.baseline:
         raise SpecError("the test names no keys of which a baseline could be made", file=str(case.file), key="baseline")
     job = job_of(case)
@@ -46,7 +47,20 @@ def remake(case: GarmentTestCase, lays: int, say: Callable[[str], None], look: C
     baseline = baseline_of(case, job, drapes, refused)
     first = drapes[0].result
     write_baseline(case.baseline_file, baseline, Shape(first.state.positions, first.cloth.triangles, first.cloth.vertex_particle))
+    for doubt in doubts(baseline, job.grid_mm):
+        say(f"warning: {doubt}; more lays make it narrower, or leave this key out")
     return baseline
+
+
+def doubts(baseline: Baseline, grid_mm: float) -> list[str]:
+    """A sentence for each tolerance that is as large as what it guards: a figure's above the figure itself, the shape's above what no shape's lays may be
+    apart in the mean. Where lays agree, the least tolerance is no fault of theirs."""
+    wide = {key: figure for key, figure in baseline.report.items() if figure.sd > 0.0 and figure.tol > abs(figure.value)}
+    found = [f"{key}: the tolerance, {figure.tol:g}, is larger than the value, {figure.value:g}: hardly any change will fail" for key, figure in wide.items()]
+    rms = baseline.rms_mm
+    if rms is not None and rms.tol > SHARE_OF_GRID * grid_mm:
+        found.append(f"{SHAPE}: the tolerance, {rms.tol:g} mm (RMS), is more than {SHARE_OF_GRID:g} of the grid: other folds will not fail")
+    return found
 
 
 def numbers_over(case: GarmentTestCase, drapes: Sequence[Lay]) -> dict[str, list[float | int]]:
