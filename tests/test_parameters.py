@@ -11,10 +11,12 @@ import pytest
 
 from garmentcad.check.examine import examine
 from garmentcad.cli.named import named_numbers
-from garmentcad.errors import FileError, InputError, SpecError
+from garmentcad.cloth.state import State
+from garmentcad.errors import CheckpointError, FileError, InputError, SpecError
 from garmentcad.io.shipped import shipped_file
 from garmentcad.io.spec_file import read_spec
 from garmentcad.pattern.draft import draft
+from garmentcad.simulation.checkpoint import load_state, save_state
 from garmentcad.simulation.job import make_job
 
 
@@ -25,6 +27,14 @@ def test_a_value_changes_the_draft_and_what_a_checkpoint_agrees_with() -> None:
     assert lowest[0] - lowest[1] == pytest.approx(700.0 - short.pattern.values["length"])
     assert lowest[1] == lowest[2]
     assert short.identity["spec"] != long.identity["spec"]
+
+
+def test_a_checkpoint_of_another_fabric_is_refused_by_the_names_of_both(tmp_path: Path) -> None:
+    """Not by the spec's own, in whose place the other one stands."""
+    own, other = make_job("straight-skirt"), make_job("straight-skirt", fabric="denim")
+    save_state(tmp_path / "c.npz", State(np.zeros((1, 3)), np.zeros((1, 3))), own.identity)
+    with pytest.raises(CheckpointError, match=r"another run \(fabric: wool-suiting [0-9a-f]{64} there, denim [0-9a-f]{64} here\)"):
+        load_state(tmp_path / "c.npz", other.identity)
 
 
 def test_a_checkpoint_agrees_with_where_the_body_has_its_landmarks_and_cylinders() -> None:
