@@ -76,6 +76,32 @@ def test_bad_arguments_are_refused(arguments: tuple[str, ...], says: str, tmp_pa
     assert says in run.stderr
 
 
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("drape", "flared-skirt", "-o", ""),
+        ("drape", "flared-skirt", "--out="),
+        ("drape", ""),
+        ("render", "nowhere", "--out", ""),
+        ("export", "flared-skirt", "-o", ""),
+        ("test", "nowhere", "--junit", ""),
+        ("import", "nowhere.json", "-o", ""),
+        ("compare", "nowhere", "elsewhere", "-o", ""),
+        ("fit", "nowhere", "-o", ""),
+        ("fabric", "test", "denim", "-o", ""),
+        ("fabric", "fit", "x.csv", "-o", ""),
+        ("mannequin", "make", "woman", "-o", ""),
+    ],
+)
+def test_an_empty_path_is_refused_and_deletes_nothing(arguments: tuple[str, ...], tmp_path: Path) -> None:
+    (tmp_path / "front.png").write_bytes(b"of another drape")
+    run = garmentcad_here(*arguments, folder=tmp_path)
+    assert run.returncode == 2, run.stderr
+    where = "" if arguments[-1] == "" and not arguments[-2].startswith("-") else f"{arguments[-1].rstrip('=') or arguments[-2]}: "
+    assert run.stderr.startswith(f"garmentcad: {where}an empty text came; a name, a file or a folder is wanted")
+    assert [path.name for path in tmp_path.iterdir()] == ["front.png"]
+
+
 def test_fast_values_become_a_sheet_that_can_be_shown(tmp_path: Path) -> None:
     (tmp_path / "fast.csv").write_text("property;unit;warp;weft;value\nW;g/m2;;;168\nE20;%;1.9;1.9;\nE100;%;4.6;5.9;\nEB5;%;;;4.7\nC;mm;15;14.5;\n")
     run = garmentcad("fabric", "fit", "fast.csv", "-o", "wool.yaml", "--json", folder=tmp_path)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from typing import Any
 
 import typer
@@ -20,6 +21,10 @@ ABOUT = "Garments from sewn patterns and measured fabrics, draped on mannequins.
 class Commands(TyperGroup):
     """The commands. One that is stopped says how far it came; typer by itself ends a KeyboardInterrupt without a word."""
 
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        refuse_empty(args)
+        return super().parse_args(ctx, args)
+
     def invoke(self, ctx: Any) -> Any:
         try:
             return super().invoke(ctx)
@@ -27,6 +32,15 @@ class Commands(TyperGroup):
             if str(stopped):
                 print(f"garmentcad: {stopped}", file=sys.stderr)
             raise typer.Exit(EXIT_INTERRUPTED) from None
+
+
+def refuse_empty(args: Sequence[str]) -> None:
+    """InputError for an empty word. None means anything, and as a path it would be the working folder, from which a drape takes away older results."""
+    for before, word in zip(("", *args), args):
+        option, value = word.split("=", 1) if word.startswith("--") and "=" in word else (before, word)
+        if not value:
+            key = option if option.startswith("-") else None
+            raise InputError("an empty text came; a name, a file or a folder is wanted (a shell variable that is not set is empty)", key=key)
 
 
 app = typer.Typer(cls=Commands, no_args_is_help=True, add_completion=False, pretty_exceptions_enable=False, help=ABOUT)
