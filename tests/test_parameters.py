@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,8 +14,9 @@ from garmentcad.check.examine import examine
 from garmentcad.cli.named import named_numbers
 from garmentcad.cloth.state import State
 from garmentcad.errors import CheckpointError, FileError, InputError, SpecError
+from garmentcad.io.fabric_file import read_fabric
 from garmentcad.io.shipped import shipped_file
-from garmentcad.io.spec_file import read_spec
+from garmentcad.io.spec_file import read_spec, write_spec
 from garmentcad.pattern.draft import draft
 from garmentcad.simulation.checkpoint import load_state, save_state
 from garmentcad.simulation.job import make_job
@@ -84,6 +86,39 @@ def test_a_mode_that_is_none_is_refused() -> None:
 def test_arguments_of_another_kind_are_refused(given: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError, match=message):
         make_job(**{"spec": "straight-skirt"} | given)
+
+
+@pytest.mark.parametrize(
+    ("given", "key", "says"),
+    [
+        ({"spec": 42}, "spec", "came 42"),
+        ({"spec": None}, "spec", "a garment is a shipped name, a file or a GarmentSpec, came nothing"),
+        ({"mannequin": 42}, "--mannequin", "came 42"),
+        ({"fabric": 42}, "--fabric", "a name or a file is wanted, came 42"),
+        ({"values": 42}, "--set", "came 42"),
+        ({"values": {"length": "x"}}, "--set length", "came 'x'"),
+        ({"grid_mm": "x"}, "--grid", "came 'x'"),
+    ],
+)
+def test_the_doctor_finds_arguments_of_another_kind(given: dict[str, Any], key: str, says: str) -> None:
+    (finding,) = examine(**{"spec": "straight-skirt"} | given)
+    assert (finding.severity, finding.key) == ("error", key)
+    assert says in finding.message
+
+
+@pytest.mark.parametrize(
+    ("call", "says"),
+    [
+        (lambda: read_spec(None), "spec: a name or a file is wanted, came nothing"),  # type: ignore[arg-type]
+        (lambda: read_fabric(42), "fabric: a name or a file is wanted, came 42"),  # type: ignore[arg-type]
+        (lambda: write_spec("x", "y"), "spec: a GarmentSpec is wanted, came 'x'"),  # type: ignore[arg-type]
+        (lambda: write_spec(read_spec("straight-skirt"), 42), "path: a name or a file is wanted, came 42"),  # type: ignore[arg-type]
+        (lambda: write_spec(read_spec("straight-skirt"), ""), "is a folder; a file is wanted"),
+    ],
+)
+def test_what_is_no_spec_or_file_is_neither_read_nor_written(call: Callable[[], object], says: str) -> None:
+    with pytest.raises(InputError, match=says):
+        call()
 
 
 def test_a_fabric_may_be_a_path() -> None:

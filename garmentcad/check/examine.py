@@ -20,6 +20,7 @@ from garmentcad.cloth.lattice import build_cloth, check_grid
 from garmentcad.cloth.materials import lay_out_sheets, row_of, sheet_of
 from garmentcad.errors import InputError
 from garmentcad.fabric.sheet import KesSheet
+from garmentcad.io.arguments import as_number, as_values, refuse_no_garment, refuse_unnamed
 from garmentcad.io.fabric_file import fabric_path, load_fabric
 from garmentcad.io.mannequin_file import read_mannequin
 from garmentcad.io.outfit_file import read_worn
@@ -47,10 +48,15 @@ def examine(
     Input that cannot be read at all is a finding too, not an exception. Panels are placed only when they have no errors of their own.
     """
     try:
-        check_grid(grid_mm)
+        check_grid(as_number(grid_mm, "--grid", "a number of mm"))
+        for key, named in (("--mannequin", mannequin), ("--fabric", fabric)):
+            if named is not None:
+                refuse_unnamed(named, key)
+        refuse_no_garment(spec)
+        values = as_values(values)
         read = spec if isinstance(spec, GarmentSpec) else read_worn(spec)
         if isinstance(read, GarmentSpec):
-            garment = with_values(read, values or {})
+            garment = with_values(read, values)
             other = None if fabric is None else _Named(partial(fabric_path, fabric), None, "--fabric")
             return worst_first(_examine_garment(garment, _read_body(garment, mannequin), grid_mm, other)[1])
         if fabric is not None:

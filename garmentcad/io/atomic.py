@@ -16,9 +16,12 @@ def write_atomic(path: str | Path, content: bytes | str | Callable[[BinaryIO], N
     """Write `content` to a temporary name in the same folder, fsync it, and rename it to `path`.
 
     content: bytes, text (stored as UTF-8), or a function that writes into the open binary file it is given. If the function raises, the file that
-    stood at `path` stays as it was and nothing is left beside it. Missing folders are made. Raises FileError where the folder cannot be written.
+    stood at `path` stays as it was and nothing is left beside it. Missing folders are made. Raises FileError where the folder cannot be written
+    and for a path that names no file.
     """
     path = Path(path)
+    if not path.name:
+        raise FileError("is a folder; a file is wanted", file=str(path))
     temporary = _temporary(path, f"{os.getpid()}-{threading.get_native_id()}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)

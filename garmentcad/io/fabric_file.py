@@ -11,6 +11,7 @@ from garmentcad.errors import FabricError
 from garmentcad.fabric.finding import Finding
 from garmentcad.fabric.missing import Completed, complete
 from garmentcad.fabric.sheet import CalibratedLaw, KesSheet, sheet_data, sheet_from
+from garmentcad.io.arguments import refuse_unnamed
 from garmentcad.io.atomic import write_atomic
 from garmentcad.io.kes_csv import read_kes_csv
 from garmentcad.io.shipped import shipped_file, shipped_names
@@ -20,7 +21,9 @@ _PLAIN = re.compile(r"[A-Za-z][A-Za-z0-9_]*|2HG5?|2HB")
 
 
 def fabric_path(name_or_file: str | Path) -> Path:
-    """File of a fabric: a shipped name (`wool-suiting`) or a path that ends in .yaml, .yml or .csv. FileError for an unknown name."""
+    """File of a fabric: a shipped name (`wool-suiting`) or a path that ends in .yaml, .yml or .csv. FileError for an unknown name, InputError for no name
+    or path at all."""
+    refuse_unnamed(name_or_file, "fabric")
     if isinstance(name_or_file, Path) or name_or_file.lower().endswith((".yaml", ".yml", ".csv")):
         return Path(name_or_file)
     return shipped_file("fabrics", name_or_file)

@@ -27,7 +27,7 @@ def read_worn(name_or_file: str | Path) -> GarmentSpec | tuple[OutfitSpec, tuple
 
 def _shipped_outfit(name_or_file: str | Path) -> Path | None:
     """File of the shipped outfit of that name; None where a file is meant or a garment has the name. FileError where neither has it."""
-    if isinstance(name_or_file, Path) or name_or_file.endswith(SPEC_ENDINGS):
+    if not isinstance(name_or_file, str) or name_or_file.endswith(SPEC_ENDINGS):
         return None
     garments, outfits = shipped_names("patterns"), shipped_names("outfits")
     if name_or_file in outfits:

@@ -7,7 +7,8 @@ from typing import Any
 
 import yaml
 
-from garmentcad.errors import SpecError
+from garmentcad.errors import InputError, SpecError
+from garmentcad.io.arguments import refuse_unnamed
 from garmentcad.io.atomic import write_atomic
 from garmentcad.io.garmentcode_import import import_garmentcode
 from garmentcad.io.shipped import shipped_file
@@ -20,7 +21,8 @@ SPEC_ENDINGS = (".yaml", ".yml", ".json")
 
 
 def spec_path(name_or_file: str | Path) -> Path:
-    """File of a spec: a shipped name (`flared-skirt`), or a path that ends in .yaml, .yml or .json."""
+    """File of a spec: a shipped name (`flared-skirt`), or a path that ends in .yaml, .yml or .json. InputError for what is neither."""
+    refuse_unnamed(name_or_file, "spec")
     return shipped_file("patterns", name_or_file) if isinstance(name_or_file, str) and not name_or_file.endswith(SPEC_ENDINGS) else Path(name_or_file)
 
 
@@ -32,7 +34,8 @@ def spec_folder(spec: GarmentSpec | OutfitSpec) -> Path:
 def read_spec(name_or_file: str | Path) -> GarmentSpec:
     """A shipped garment, or the garment spec in a YAML file or of a GarmentCode file (.json).
 
-    FileError for an unknown name and a file that is not plain YAML (or JSON), SpecError (file, key path, what came, what is allowed) for its content.
+    FileError for an unknown name and a file that is not plain YAML (or JSON), SpecError (file, key path, what came, what is allowed) for its content,
+    InputError for what is neither a name nor a file.
     """
     path = spec_path(name_or_file)
     file = str(path)
@@ -48,7 +51,11 @@ def read_spec(name_or_file: str | Path) -> GarmentSpec:
 
 
 def write_spec(spec: GarmentSpec, path: str | Path) -> Path:
-    """Write a spec as YAML that `read_spec` reads back to an equal one. Values that are defaults are left out. FileError where it cannot be written."""
+    """Write a spec as YAML that `read_spec` reads back to an equal one. Values that are defaults are left out. FileError where it cannot be written, InputError
+    for what is no GarmentSpec or no file."""
+    if not isinstance(spec, GarmentSpec):
+        raise InputError(f"a GarmentSpec is wanted, came {shown(spec)}", key="spec")
+    refuse_unnamed(path, "path")
     data = {"schema": spec.schema_version, "units": spec.units, **spec.model_dump(mode="json", by_alias=True, exclude_defaults=True)}
     return write_atomic(path, yaml.dump(data, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=140))
 

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import json
-import math
 from collections.abc import Mapping
 from dataclasses import astuple, dataclass, field
-from numbers import Integral, Real
+from numbers import Integral
 from pathlib import Path
 from typing import get_args
 
@@ -19,6 +18,7 @@ from garmentcad.cloth.lattice import check_grid
 from garmentcad.errors import FileError, InputError
 from garmentcad.fabric.missing import Completed, complete
 from garmentcad.fabric.sheet import KesSheet, sheet_sha256
+from garmentcad.io.arguments import as_number, as_values, refuse_no_garment, refuse_unnamed
 from garmentcad.io.fabric_file import load_fabric
 from garmentcad.io.mannequin_file import read_mannequin
 from garmentcad.io.outfit_file import read_worn
@@ -90,7 +90,7 @@ def make_job(
     the spec's own; grid_mm: spacing of the lattice (2 to 50); seed: of the 0.01 mm jitter of the start; mode: 'drape' for the shape at rest, 'dynamics' for
     motion with true masses; max_time_s: most simulated seconds (up to 600); pose: key frames, a shipped name or a file; values: of parameters, in place of
     the spec's. InputError for anything that is refused; it names the option that the command line has for an argument."""
-    grid_mm, max_time_s = _number(grid_mm, "--grid", "a number of mm"), _number(max_time_s, "--max-time", "a number of simulated seconds")
+    grid_mm, max_time_s = as_number(grid_mm, "--grid", "a number of mm"), as_number(max_time_s, "--max-time", "a number of simulated seconds")
     check_grid(grid_mm)
     if not 0.0 < max_time_s <= 600.0:
         raise InputError(f"{max_time_s:g} simulated seconds; more than 0 and at most 600 are allowed", key="--max-time")
@@ -99,12 +99,10 @@ def make_job(
     if mode not in get_args(Mode):
         raise InputError(f"mode {shown(mode)}; {' or '.join(get_args(Mode))} is allowed", key="--mode")
     for key, named, made in (("--fabric", fabric, KesSheet), ("--mannequin", mannequin, Mannequin), ("--pose", pose, None)):
-        if named is not None and not isinstance(named, (str, Path)) and (made is None or not isinstance(named, made)):
-            wanted = "a name or a file" if made is None else f"a name, a file or a {made.__name__}"
-            raise InputError(f"{wanted} is wanted, came {shown(named)}", key=key)
-    if not isinstance(spec, (str, Path, GarmentSpec)):
-        raise InputError(f"a garment is a shipped name, a file or a GarmentSpec, came {shown(spec)}", key="spec")
-    values = _values({} if values is None else values)
+        if named is not None:
+            refuse_unnamed(named, key, made)
+    refuse_no_garment(spec)
+    values = as_values(values)
     model = spec if isinstance(spec, GarmentSpec) else read_worn(spec)
     if isinstance(model, GarmentSpec):
         model, folder = with_values(model, values), spec_folder(model)
@@ -129,23 +127,6 @@ def make_job(
     if poses:
         motion(body, poses)  # refuses what the body cannot do, before anything is draped
     return Job(outfit, pattern, fabrics, body, float(grid_mm), seed, mode, max_time_s, folder, worn, poses)
-
-
-def _number(value: object, key: str, wanted: str) -> float:
-    """An argument as a finite number: Python itself takes anything. InputError where it is none."""
-    try:
-        if isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value):
-            return float(value)
-    except OverflowError:
-        pass
-    raise InputError(f"{wanted} is wanted, came {shown(value)}", key=key)
-
-
-def _values(values: object) -> dict[str, float]:
-    """Values of parameters by name. InputError for anything else."""
-    if not isinstance(values, Mapping) or not all(isinstance(name, str) for name in values):
-        raise InputError(f"a mapping of parameter names to numbers is wanted, came {shown(values)}", key="--set")
-    return {name: _number(value, f"--set {name}", "a number") for name, value in values.items()}
 
 
 def _body(spec: GarmentSpec | OutfitSpec, given: str | Path | Mannequin | None) -> Mannequin:
