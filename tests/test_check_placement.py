@@ -14,7 +14,7 @@ from drawn import materials
 
 from garmentcad.arrays import indices
 from garmentcad.check.finding import Finding
-from garmentcad.check.placement import check_flat, check_placement, check_reach, check_twists
+from garmentcad.check.placement import check_crossed, check_flat, check_placement, check_reach, check_twists
 from garmentcad.cloth.lattice import build_cloth
 from garmentcad.errors import SpecError
 from garmentcad.mannequin.mannequin import ArrangementCylinder, Mannequin
@@ -60,7 +60,8 @@ def findings(change: Callable[[dict[str, Any]], Any] = lambda data: None) -> lis
     cloth = build_cloth(pattern, lambda _, points: np.zeros(len(points), dtype=np.int32), materials(0.2), GRID_MM)
     positions = place_vertices(pattern, cloth, mannequin)
     off = check_reach(pattern, cloth, positions, mannequin, "tube.yaml")
-    return [*off, *check_twists(pattern, cloth, positions, "tube.yaml"), *check_placement(cloth, positions, mannequin, "tube.yaml")]
+    sewn = [*check_twists(pattern, cloth, positions, "tube.yaml"), *check_crossed(pattern, cloth, positions, "tube.yaml")]
+    return [*off, *sewn, *check_placement(cloth, positions, mannequin, "tube.yaml")]
 
 
 def test_a_tube_is_clean() -> None:
@@ -119,6 +120,46 @@ def test_twisted_ring() -> None:
 
     assert findings(ring) == []
     assert [finding.key for finding in findings(turned)] == ["seams.ring"]
+
+
+def laid(front: list[float], back: list[float]) -> Callable[[dict[str, Any]], None]:
+    """The tube's panels laid flat before and behind the body, with these rotations."""
+
+    def change(data: dict[str, Any]) -> None:
+        for name, z, rotation in (("front", 200, front), ("back", -200, back)):
+            data["panels"][name]["placement"] = {"transform": {"translation": [0, 400, z], "rotation": rotation}}
+
+    return change
+
+
+def test_a_panel_that_lies_wrong_side_out_crosses_its_seams() -> None:
+    """Sides 300 mm apart, 400 mm before and behind: 400 mm from partner to partner, and 500 mm crosswise. Either panel may be the wrong one."""
+    assert findings(laid([0, 0, 0], [0, 180, 0])) == []
+    for wrong in (laid([0, 0, 0], [0, 0, 0]), laid([0, 180, 0], [0, 180, 0])):
+        (found,) = findings(wrong)
+        assert (found.code, found.key, found.severity) == ("seams-cross-over", "seams.one", "warning")
+        assert "seams one and two cross over: they join front to back over 500 and 500 mm" in found.message
+        assert "with partners swapped it would be 400 and 400 mm" in found.message
+        assert "[0, 180, 0]" in found.remedy
+
+
+def test_a_back_between_two_fronts_crosses_its_seams_too() -> None:
+    """The front is cut in two at its middle, and each half is sewn to the back at one side."""
+
+    def halved(back: list[float]) -> Callable[[dict[str, Any]], None]:
+        def change(data: dict[str, Any]) -> None:
+            laid([0, 0, 0], back)(data)
+            front = data["panels"].pop("front")
+            for name, move in (("left", {"a": [1, 0], "d": [1, 200]}), ("right", {"b": [-1, 0], "c": [-1, 200]})):
+                data["panels"][name] = front | {"points": front["points"] | move}
+            data["seams"][0]["a"] = ["left.right.c", "left.right.b"]
+            data["seams"][1]["a"] = ["right.left.d", "right.left.a"]
+
+        return change
+
+    assert findings(halved([0, 180, 0])) == []
+    (found,) = findings(halved([0, 0, 0]))
+    assert "join back to left and right over 500 and 500 mm" in found.message
 
 
 @pytest.mark.parametrize(("height", "off"), [(-190, False), (-210, True), (990, False), (1010, True)])

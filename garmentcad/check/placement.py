@@ -1,8 +1,9 @@
-"""Findings on placed panels: twisted seams, panels that cross each other, panels inside the mannequin or far from it."""
+"""Findings on placed panels: twisted seams, seams that cross over, panels that cross each other, panels inside the mannequin or far from it."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import combinations
 
 import numpy as np
 
@@ -17,6 +18,8 @@ from garmentcad.pattern.runs import side_length
 from garmentcad.units import M_TO_MM, MM_TO_M
 
 _FAR_M = 1.0  # flat panels of GarmentCode start up to half a metre away
+_CROSSED = -0.8  # cosine between the ways from one seam to the other along both of their sides
+_APART_M = 0.050  # seams nearer to each other say nothing
 SHALLOW_M = 0.010  # contact pushes shallower points out gently while the seams close
 
 
@@ -116,6 +119,32 @@ def check_twists(pattern: Pattern, cloth: Cloth, positions: np.ndarray, file: st
                 f"as placed, a quarter and three quarters along the seam its sides are {straight[0] * M_TO_MM:.0f} and {straight[1] * M_TO_MM:.0f} mm apart; "
                 f"with one side turned around they would be {swapped[0] * M_TO_MM:.0f} and {swapped[1] * M_TO_MM:.0f} mm apart",
                 "Swap the first and last point of one side, or correct the placement of its panel.",
+            )  # fmt: skip
+
+
+def check_crossed(pattern: Pattern, cloth: Cloth, positions: np.ndarray, file: str | None = None) -> Iterator[Finding]:
+    """Two seams of one panel that cross over as placed, at (V,3) m: from the middle of the first to that of the second its partners lie the other way."""
+    middles = []
+    for seam in pattern.seams:
+        if all(len({use.panel for use in side}) == 1 for side in (seam.a, seam.b)) and seam.a[0].panel != seam.b[0].panel:
+            middles.append((seam.name, {side[0].panel: _placed(pattern, cloth, positions, side, 0.5) for side in (seam.a, seam.b)}))
+    for (one, first), (two, second) in combinations(middles, 2):
+        shared = next((name for name in first if name in second), None)
+        if shared is None:
+            continue
+        (partner, a), (other, b) = (next((name, place) for name, place in sides.items() if name != shared) for sides in (first, second))
+        along, across = second[shared] - first[shared], b - a
+        lengths = float(np.linalg.norm(along)), float(np.linalg.norm(across))
+        if min(lengths) > _APART_M and along @ across < _CROSSED * lengths[0] * lengths[1]:
+            given = np.linalg.norm(first[shared] - a), np.linalg.norm(second[shared] - b)
+            swapped = np.linalg.norm(first[shared] - b), np.linalg.norm(second[shared] - a)
+            yield Finding(
+                "warning", "seams-cross-over", file, f"seams.{one}",
+                f"as placed, seams {one} and {two} cross over: they join {shared} to {' and '.join(dict.fromkeys((partner, other)))} over "
+                f"{given[0] * M_TO_MM:.0f} and {given[1] * M_TO_MM:.0f} mm (from middle to middle); with partners swapped it would be "
+                f"{swapped[0] * M_TO_MM:.0f} and {swapped[1] * M_TO_MM:.0f} mm. One panel probably lies wrong side out, or is mirrored",
+                "Turn what lies behind the body so that its right side looks outward (`rotation: [0, 180, 0]`, or a wrap at the angle 180), "
+                "or swap the partners of the seams.",
             )  # fmt: skip
 
 
