@@ -201,6 +201,30 @@ def test_redundant_pins_are_named_and_solved() -> None:
     assert any("'peg_front' and 'twin' hold the same points" in warning for warning in told.warnings)
 
 
+@pytest.mark.parametrize(
+    ("wrap", "inside"),
+    [
+        ({"offset": 22}, None),
+        ({"offset": 4}, 8),
+        ({"offset": 4, "angle": 180}, None),  # a quarter of a turn away nothing is known, though the hole lies deeper seen from the button
+    ],
+)
+def test_a_buttonhole_inside_its_button(wrap: dict[str, float], inside: float | None) -> None:
+    """The button's panel starts 12 mm outside the cylinder; both drill holes lie on the middle of the front."""
+
+    def button(data: dict[str, Any]) -> None:
+        data["panels"]["right"]["placement"]["wrap"] |= wrap
+        data["values"]["lap"] = 30.0
+        data["closures"] = [{"name": "low", "button": "left.low", "buttonhole": "right.low"}]
+
+    made = job(button)
+    materials, material_of = lay_out(made)
+    flat = build_cloth(made.pattern, material_of, materials, made.grid_mm)
+    found = list(check_hardware(made.pattern, flat, place_vertices(made.pattern, flat, BODY), materials, BODY, "tube.yaml"))
+    assert [(finding.severity, finding.code, finding.key) for finding in found] == [("warning", "button-inside", "closures.low")] * (inside is not None)
+    assert all(f"right.low starts {inside} mm inside its button left.low" in finding.message for finding in found)
+
+
 def test_a_button_on_a_sewn_corner_holds_nothing_and_is_told() -> None:
     made = job(lambda data: data.update(closures=[{"name": "button", "button": "left.back_top", "buttonhole": "right.back_top"}]), grid_mm=30.0)
     materials, material_of = lay_out(made)

@@ -24,6 +24,8 @@ from garmentcad.solve.hardware import hardware_rows, redundance_message, redunda
 from garmentcad.units import M_TO_MM, MM_TO_M
 
 _GATHERED = 3.0  # a belt draws no more cloth together, and hangs around no body that is so many times slimmer: a length in cm or inches, say
+_PARALLEL, _NEAR_M = 0.9, 0.1  # cosine between the layers of a button, and distance to its hole: as placed one layer lies over the other
+_INSIDE_M = 0.001  # layers nearer to each other say nothing
 _FAR_M = 0.5  # between a pin and the point that it holds, as placed
 
 
@@ -46,6 +48,7 @@ def check_hardware(
             "Leave one of them out; all of them are solved together as they are." if len(found.names) > 1 else "Leave it out, or move one of its points.",
         )  # fmt: skip
     yield from _check_pins(pattern, flat, positions, mannequin, file)
+    yield from _check_buttons(pattern, flat, positions, file)
     yield from _check_belts(pattern, mannequin, file)
 
 
@@ -60,13 +63,35 @@ def _check_pins(pattern: Pattern, flat: Cloth, positions: np.ndarray, mannequin:
                 f"the point lies {depth * M_TO_MM:.0f} mm deep in {mannequin.name}, where no cloth can be",
                 "Move it out of the body, or pin to a landmark, which keeps clear of it.",
             )  # fmt: skip
-        place = located(flat, flat.panel_names.index(pin.at.panel), np.array([pin.at.uv_mm]))
-        away = float(np.linalg.norm(place.weights[0] @ positions[place.vertices[0]] - target))
+        away = float(np.linalg.norm(_on_panel(flat, positions, pin.at)[0] - target))
         if away > _FAR_M:
             yield Finding(
                 "warning", "pin-far", file, key, f"{pin.at} starts {away * M_TO_MM:.0f} mm from where the pin holds it",
                 "Points are in mm, y is the height above the floor; correct the point, or place the panel near it.",
             )  # fmt: skip
+
+
+def _check_buttons(pattern: Pattern, flat: Cloth, positions: np.ndarray, file: str | None) -> Iterator[Finding]:
+    """Buttonholes that start on the wrong side of their buttons. Where the layers do not lie over each other as placed, nothing is known."""
+    for button in pattern.buttons:
+        (low, outward), (high, beside) = (_on_panel(flat, positions, point) for point in (button.button, button.buttonhole))
+        between = outward + beside  # a hole beside its button on one round layer lies square to this
+        inside = (low - high) @ between / np.linalg.norm(between)
+        if outward @ beside > _PARALLEL and np.linalg.norm(high - low) < _NEAR_M and inside > _INSIDE_M:
+            yield Finding(
+                "warning", "button-inside", file, f"closures.{button.name}",
+                f"the buttonhole {button.buttonhole} starts {inside * M_TO_MM:.0f} mm inside its button {button.button}; it has to lie outside, "
+                "on the right side of the button's panel",
+                f"Give {button.buttonhole.panel} a larger offset than {button.button.panel}, or swap button and buttonhole.",
+            )  # fmt: skip
+
+
+def _on_panel(flat: Cloth, positions: np.ndarray, point: PanelPoint) -> tuple[np.ndarray, np.ndarray]:
+    """Place (3,) m of a point of a panel, and the unit normal (3,) of the panel's right side there. positions: (V,3) m of the vertices of the unsewn cloth."""
+    place = located(flat, flat.panel_names.index(point.panel), np.array([point.uv_mm]))
+    a, b, c = positions[place.vertices[0]]
+    normal = np.cross(b - a, c - a)
+    return place.weights[0] @ np.array([a, b, c]), normal / np.linalg.norm(normal)
 
 
 def _check_belts(pattern: Pattern, mannequin: Mannequin, file: str | None) -> Iterator[Finding]:
