@@ -47,12 +47,14 @@ def add_notches(edges: list[Edge], notches: Sequence[NotchSpec], scope: Scope, k
 
 @dataclass(frozen=True)
 class _Mouth:
-    """A dart on its edge: arc-length fractions where the mouth begins and ends along the counter-clockwise outline."""
+    """A dart on its edge: arc-length fractions where the mouth begins and ends along the counter-clockwise outline; origin: the point from which the spec
+    counts its place."""
 
     name: str
     start: float
     end: float
     length_mm: float
+    origin: str
     key: str
 
 
@@ -73,7 +75,8 @@ def cut_darts(edges: Sequence[Edge], darts: Sequence[DartSpec], drawn_backward: 
         at = place_fraction(dart.at, drawn, scope, f"{where}.at")
         middle = 1.0 - at if drawn_backward else at
         half = scope.positive(dart.intake, f"{where}.intake") / edge.curve.length / 2
-        mouths.setdefault(dart.edge, []).append(_Mouth(dart.name, middle - half, middle + half, scope.positive(dart.length, f"{where}.length"), where))
+        length, origin = scope.positive(dart.length, f"{where}.length"), dart.at.start if isinstance(dart.at, Distance) else drawn.start
+        mouths.setdefault(dart.edge, []).append(_Mouth(dart.name, middle - half, middle + half, length, origin, where))
     cut: list[Edge] = []
     for edge in edges:
         cut += _cut_edge(edge, sorted(mouths.get(edge.name, []), key=lambda mouth: mouth.start))
@@ -86,9 +89,12 @@ def _cut_edge(edge: Edge, mouths: list[_Mouth]) -> list[Edge]:
     length, reached = edge.curve.length, 0.0
     for mouth in mouths:
         if mouth.start * length < reached * length + 1.0 or mouth.end * length > length - 1.0:
+            taken, free = (mouth.start * length, mouth.end * length), (reached * length + 1.0, length - 1.0)
+            if mouth.origin != edge.start:
+                taken, free = (length - taken[1], length - taken[0]), (length - free[1], length - free[0])
             raise SpecError(
-                f"the mouth of dart {mouth.name!r} takes {mouth.start * length:.1f} to {mouth.end * length:.1f} mm of edge {edge.name!r}; free is "
-                f"{reached * length + 1:.1f} to {length - 1:.1f} mm (the dart before it, or the edge's end, lies in the way)",
+                f"counted from {mouth.origin!r}, the mouth of dart {mouth.name!r} takes {taken[0]:.1f} to {taken[1]:.1f} mm of edge {edge.name!r}; "
+                f"free is {free[0]:.1f} to {free[1]:.1f} mm (the dart before it, or the edge's end, lies in the way)",
                 key=mouth.key,
             )
         reached = mouth.end
