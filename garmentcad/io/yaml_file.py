@@ -74,6 +74,9 @@ def parse_yaml(text: str, file: str) -> Any:
         mark = fault.problem_mark or fault.context_mark
         what = " ".join(part for part in (fault.context, fault.problem) if part)
         said = _TOO_DEEP if "maximum nesting depth" in what else f"not valid YAML: {what}"  # newer libyaml counts levels itself, and ahead of its events
+        marked = "".join(text.splitlines()[mark.line : mark.line + 1]) if mark else ""
+        if "\t" in marked[: len(marked) - len(marked.lstrip())]:
+            said = "not valid YAML: a tab indents this line; YAML is indented by spaces"
         raise FileError(f"line {mark.line + 1 if mark else '?'}: {said}", file=file) from None
     except yaml.YAMLError as fault:  # what else the parser of libyaml may say has no line
         raise FileError(f"not valid YAML: {fault}", file=file) from None
