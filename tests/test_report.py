@@ -134,6 +134,19 @@ def test_a_diverged_run_is_still_valid_json() -> None:
     Console(file=io.StringIO()).print(report_table(report))
 
 
+def test_what_was_not_measured_has_no_unit() -> None:
+    """A garment without seams, in the air."""
+    record = dataclasses.replace(run_record(), seam_gap_mm=None)
+    report = build_report(record, tube_measures())
+    report["pressure_kpa"] |= {"max": None}
+    console = Console(width=120, record=True, file=io.StringIO())
+    console.print(report_table(report))
+    rows = {line.split("│")[1].strip(): line.split("│")[2].strip() for line in console.export_text().splitlines() if line.count("│") > 2}
+    assert rows["seam gap at welding"] == "not measured"
+    assert rows["pressure"].startswith("max not measured, mean in contact ")
+    assert rows["pressure"].endswith(" kPa")
+
+
 def test_a_record_without_a_promised_key_is_a_fault() -> None:
     with pytest.raises(ValueError, match=r"rest lacks residual_g_rms"):
         build_report(dataclasses.replace(run_record(), rest={"max_speed_m_s": 0.0, "rms_speed_m_s": 0.0, "kinetic_j_per_kg": 0.0}), tube_measures())

@@ -128,11 +128,12 @@ def report_table(report: Mapping[str, Any]) -> Table:
     table.add_column("value")
     status = report["status"]
     table.add_row("status", Text(status, style=STATUS_STYLE[status]))
-    table.add_row("lattice", f"{_show(report['grid_mm'])} mm, {report['particles']} particles, {report['triangles']} triangles, {report['panels']} panels")
-    table.add_row("motion", f"{report['steps']} steps of {_show(_thousandfold(report['time_step_s']))} ms, {_show(report['simulated_time_s'])} s simulated")
+    table.add_row("lattice", f"{_show(report['grid_mm'], ' mm')}, {report['particles']} particles, {report['triangles']} triangles, {report['panels']} panels")
+    step = _show(_thousandfold(report["time_step_s"]), " ms")
+    table.add_row("motion", f"{report['steps']} steps of {step}, {_show(report['simulated_time_s'], ' s')} simulated")
     wall = report["wall_time_s"]
-    table.add_row("wall time", f"{_show(wall['setup'])} s setup, {_show(wall['drape'])} s drape, {_show(wall['total'])} s in all")
-    table.add_row("rest", f"residual {_show(report['rest']['residual_g_rms'], 2)} g, RMS speed {_show(report['rest']['rms_speed_m_s'], 2)} m/s")
+    table.add_row("wall time", f"{_show(wall['setup'], ' s')} setup, {_show(wall['drape'], ' s')} drape, {_show(wall['total'], ' s')} in all")
+    table.add_row("rest", f"residual {_show(report['rest']['residual_g_rms'], ' g', 2)}, RMS speed {_show(report['rest']['rms_speed_m_s'], ' m/s', 2)}")
     for name in EASE_LINES:
         draped, drafted = report["ease_mm"][name], report["pattern_ease_mm"][name]
         if draped is not None:
@@ -148,19 +149,20 @@ def report_table(report: Mapping[str, Any]) -> Table:
     if reach:
         table.add_row("armholes", f"{' and '.join(f'{value:.1f}' for value in reach)} mm from the shoulder points")
     for name, angle in report["fold_deg"].items():
-        table.add_row(f"fold {name}", f"{_show(angle)}°")
+        table.add_row(f"fold {name}", _show(angle, "°"))
     for axis, values in report["strain_percent"].items():
-        table.add_row(f"strain {axis}", f"median {_show(values['p50'])} %, p99 {_show(values['p99'])} %, max {_show(values['max'])} %")
-    table.add_row("trellis angle", f"p99 {_show(report['trellis_deg']['p99'])}°, {_show(report['trellis_deg']['over_8_percent'])} % of the area over 8°")
-    table.add_row("pressure", f"max {_show(report['pressure_kpa']['max'])} kPa, mean in contact {_show(report['pressure_kpa']['mean_in_contact'])} kPa")
+        table.add_row(f"strain {axis}", f"median {_show(values['p50'], ' %')}, p99 {_show(values['p99'], ' %')}, max {_show(values['max'], ' %')}")
+    trellis, pressure = report["trellis_deg"], report["pressure_kpa"]
+    table.add_row("trellis angle", f"p99 {_show(trellis['p99'], '°')}, {_show(trellis['over_8_percent'], ' %')} of the area over 8°")
+    table.add_row("pressure", f"max {_show(pressure['max'], ' kPa')}, mean in contact {_show(pressure['mean_in_contact'], ' kPa')}")
     for name, gap in report["constraints"]["gap_mm"].items():
-        table.add_row(f"held by {name}", f"within {_show(gap, 2)} mm")
+        table.add_row(f"held by {name}", f"within {_show(gap, ' mm', 2)}")
     for name, band in report["bands"].items():
-        table.add_row(f"band {name}", f"{_show(band['tension_n'])} N, {band['length_mm']:.0f} mm long, {band['rest_length_mm']:.0f} mm at rest")
-    table.add_row("seam gap at welding", f"{_show(report['seam_gap_mm']['max'], 2)} mm")
+        table.add_row(f"band {name}", f"{_show(band['tension_n'], ' N')}, {band['length_mm']:.0f} mm long, {band['rest_length_mm']:.0f} mm at rest")
+    table.add_row("seam gap at welding", _show(report["seam_gap_mm"]["max"], " mm", 2))
     crossings = _count(report["self_intersections"]), " in the cloth, ", _count(report["mannequin_intersections"]), " with the mannequin"
     table.add_row("intersections", Text.assemble(*crossings))
-    table.add_row("deepest penetration", f"{_show(report['mannequin_penetration_mm']['max'], 2)} mm")
+    table.add_row("deepest penetration", _show(report["mannequin_penetration_mm"]["max"], " mm", 2))
     if "movement" in report:
         table.add_row("movement", _movement(report["movement"]))
     if report["uncalibrated"]:
@@ -174,9 +176,9 @@ def _movement(moved: Mapping[str, Any]) -> str:
     if "frames" not in moved:
         return str(moved["status"])
     found = f"{moved['self_intersections']} intersections in the cloth, {moved['mannequin_intersections']} with the mannequin"
-    slip = "" if moved["waist_slip_mm"] is None else f", the waist slips by {_show(moved['waist_slip_mm'])} mm"
-    deepest = f"deepest penetration {_show(moved['mannequin_penetration_mm'], 2)} mm"
-    return f"{moved['status']}, {len(moved['frames'])} frames in {_show(moved['seconds'])} s: at most {found}, {deepest}{slip}"
+    slip = "" if moved["waist_slip_mm"] is None else f", the waist slips by {_show(moved['waist_slip_mm'], ' mm')}"
+    deepest = f"deepest penetration {_show(moved['mannequin_penetration_mm'], ' mm', 2)}"
+    return f"{moved['status']}, {len(moved['frames'])} frames in {_show(moved['seconds'], ' s')}: at most {found}, {deepest}{slip}"
 
 
 def _ordered(name: str, values: Mapping[str, Any]) -> dict[str, Any]:
@@ -205,8 +207,8 @@ def _thousandfold(value: float | None) -> float | None:
     return None if value is None else 1000.0 * value
 
 
-def _show(value: float | None, digits: int = 3) -> str:
-    return "not measured" if value is None else f"{value:.{digits}g}" if abs(value) < 10.0**digits else f"{value:.0f}"
+def _show(value: float | None, unit: str, digits: int = 3) -> str:
+    return "not measured" if value is None else (f"{value:.{digits}g}" if abs(value) < 10.0**digits else f"{value:.0f}") + unit
 
 
 def _count(value: int | None) -> Text:
