@@ -11,9 +11,11 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
+import garmentcad.pattern.spec
 from garmentcad.errors import SpecError
 from garmentcad.io.yaml_file import parse_yaml
-from garmentcad.pattern.parse import parse_spec
+from garmentcad.pattern.model import Model
+from garmentcad.pattern.parse import _WANTED, parse_spec
 from garmentcad.pattern.spec import ArcSpec, Distance, EdgeSpec, GarmentSpec, MirroredPanelSpec, PanelSpec, PlacementSpec, WrapSpec
 
 DOCS = Path(__file__).resolve().parent.parent / "docs" / "spec.md"
@@ -112,7 +114,8 @@ FAULTS: list[tuple[Callable[[dict[str, Any]], Any], str, str]] = [
     (lambda d: front(d).update(placement={}), "panels.front.placement", "exactly one of wrap, transform is wanted, came none"),
     (lambda d: front(d)["placement"]["wrap"].update(part="torsa"), "panels.front.placement.wrap.part", "came 'torsa'"),
     (lambda d: front(d)["regions"][0].update(band={"edge": "hem", "width": 3}), "panels.front.regions.0", "exactly one of polygon, band is wanted"),
-    (lambda d: d["panels"].update(x={"mirrored_from": "front"}), "panels.x.placement", "is missing"),
+    (lambda d: d["panels"].update(x={"mirrored_from": "front"}), "panels.x.placement", "is missing; wanted is where the panel starts, as {wrap: {"),
+    (lambda d: d.pop("panels"), "panels", "this key is missing; wanted is a mapping of panels"),
     (lambda d: d["seams"][0].update(a=["front.side", "front.side.left"]), "seams.0.a.0", "panel.edge.point, came 'front.side'"),
     (lambda d: d["seams"][0].update(a=["front.side.left"]), "seams.0.a.1", "is missing"),
     (lambda d: d["seams"][0].update(b=3), "seams.0.b", "valid list, came 3"),
@@ -124,6 +127,12 @@ FAULTS: list[tuple[Callable[[dict[str, Any]], Any], str, str]] = [
     (lambda d: d["parameters"].update({"sqrt": {"value": 1}}), "parameters.sqrt", "not a function"),
     (lambda d: d["values"].update({"a-b": 1}), "values.a-b", "used in expressions"),
 ]
+
+
+def test_keys_whose_content_is_named_have_to_be_there_somewhere() -> None:
+    made = [model for model in vars(garmentcad.pattern.spec).values() if isinstance(model, type) and issubclass(model, Model)]
+    required = {field.alias or name for model in made for name, field in model.model_fields.items() if field.is_required()}
+    assert required >= set(_WANTED)
 
 
 @pytest.mark.parametrize(("change", "key", "message"), FAULTS, ids=[fault[1] for fault in FAULTS])

@@ -17,6 +17,28 @@ _FLAT = {"center", "quadratic", "through", "start_tangent", "end_tangent", "poly
 _FLAT_BY_NAME = {"points", "drill_holes", "internal_lines"}
 _SOLID = {"translation", "rotation", "point", "offset"}
 
+# What belongs to keys that have to be there, in our files and (panels, edges, translation) in those of GarmentCode.
+_WANTED = {
+    "panels": "a mapping of panels by their names",
+    "points": "a mapping of points by their names, as {corner: [x, y]}",
+    "edges": "a list of edges that go around the panel",
+    "placement": "where the panel starts, as {wrap: {part: torso, angle: 0, height: waist_height}} or {transform: {translation: [x, y, z]}}",
+    "translation": "[x, y, z]",
+    "fabric": "a shipped fabric, or a file beside the spec",
+    "mannequin": "a shipped mannequin, or a file beside the spec",
+    "from": "the name of a point",
+    "to": "the name of a point",
+    "edge": "the name of an edge of the panel",
+    "a": "[panel.edge.point, panel.edge.point], or a list of such runs",
+    "b": "[panel.edge.point, panel.edge.point], or a list of such runs",
+    "button": "a point or drill hole, as panel.point",
+    "buttonhole": "a point or drill hole, as panel.point",
+    "along": "a list of lines, as [panel.edge.point, panel.edge.point] or [panel.point, panel.point]",
+    "intake": "what the dart takes out of the edge, mm",
+    "ratio": "the rest length of the elastic over that of its lines",
+    "stiffness": "N per unit of strain",
+}
+
 
 def parse_spec(data: Any, file: str | None = None) -> GarmentSpec:
     """GarmentSpec of plain data as read from YAML. SpecError with the first fault otherwise, naming how many there are."""
@@ -51,7 +73,7 @@ def spec_errors(fault: ValidationError, file: str | None) -> list[SpecError]:
             size = 1 + max(int(other["loc"][-1]) for other in errors if other["type"] == "missing" and other["loc"][:-1] == error["loc"][:-1])
             message = f"{size} entries are wanted{_form(error['loc'][:-1])}, came {shown(error['input'])}; this one is missing"
         elif kind == "missing":
-            message = "this key is missing"
+            message = "this key is missing" + (f"; wanted is {_WANTED[path[-1]]}" if path[-1] in _WANTED else "")
         elif kind == "tuple_type":
             message = f"a list is wanted{_form(error['loc'])}, came {shown(error['input'])}"
         elif kind in ("model_type", "model_attributes_type", "dict_type"):
