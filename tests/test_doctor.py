@@ -282,6 +282,22 @@ def test_refusals_are_findings() -> None:
     finding = refusal(errors[0])
     assert (finding.severity, finding.file, finding.key) == ("error", "tube.yaml", "panels.front.edges.2.from")
     assert str(finding).startswith("error: tube.yaml: panels.front.edges.2.from: the outline is open")
+    assert str(finding).endswith(" Correct it; docs/spec.md describes every key of a spec. [refused]")
+
+
+@pytest.mark.parametrize(("spec", "more"), [("straight-skirt", {"grid_mm": 0.0}), ("strait-skirt", {}), ("none.yaml", {}), ("t-shirt", {"fabric": "silk-9"})])
+def test_only_faults_of_a_spec_name_its_page(spec: str, more: dict[str, Any]) -> None:
+    (finding,) = examine(spec, **more)
+    assert finding.code == "refused"
+    assert str(finding).endswith(f"{finding.message}. [refused]")
+
+
+def test_an_unknown_factor_is_told_once_at_its_place_in_the_file(tmp_path: Path) -> None:
+    """The skirt's other front is the mirror image of the one that is drawn."""
+    garment = shipped_file("patterns", "wrap-skirt").read_text(encoding="utf-8")
+    (tmp_path / "skirt.yaml").write_text(garment.replace("G: 2, B: 4", "G: 2, BB: 4"), encoding="utf-8")
+    found = [(finding.key, finding.message.partition(" is not")[0]) for finding in examine(str(tmp_path / "skirt.yaml"))]
+    assert found == [(f"panels.{name}.regions.0.factors.BB", "'BB'") for name in ("back", "front_over")]
 
 
 def test_every_code_is_on_the_page() -> None:

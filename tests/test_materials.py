@@ -83,7 +83,7 @@ def test_the_later_region_counts_and_its_interfacing_is_its_own() -> None:
 def test_impossible_cloth_names_the_region() -> None:
     with pytest.raises(SpecError, match="impossible") as caught:
         lay_out(job(regions=[{"name": "slab", "polygon": square(0, 100), "factors": {"W": 30}, "interfacing": "fusible"}]))
-    assert caught.value.key == "panels.p.regions.slab.W"
+    assert caught.value.key == "panels.p.regions.0.W"
 
 
 def test_an_interfacing_that_makes_impossible_cloth_names_the_panel() -> None:

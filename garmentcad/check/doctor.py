@@ -7,7 +7,7 @@ from garmentcad.check.grain import check_grain
 from garmentcad.check.outline import check_panel
 from garmentcad.check.seam import check_seams
 from garmentcad.check.sleeve import check_sleeves
-from garmentcad.errors import InputError
+from garmentcad.errors import ExpressionError, InputError, SpecError
 from garmentcad.pattern.pattern import Pattern
 from garmentcad.pattern.spec import GarmentSpec
 
@@ -24,7 +24,8 @@ def check_pattern(spec: GarmentSpec, pattern: Pattern, grid_mm: float = 10.0) ->
 
 def refusal(error: InputError) -> Finding:
     """The finding for input that was refused: the message itself says what is allowed."""
-    return Finding("error", "refused", error.file, error.key, error.message.rstrip("."), "Correct it; docs/spec.md describes every key of a spec.")
+    remedy = "Correct it; docs/spec.md describes every key of a spec." if isinstance(error, (SpecError, ExpressionError)) and error.file is not None else ""
+    return Finding("error", "refused", error.file, error.key, error.message.rstrip("."), remedy)
 
 
 def worst_first(findings: list[Finding]) -> list[Finding]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -18,7 +19,7 @@ from garmentcad.check.region import check_regions
 from garmentcad.check.wearing import check_wearing
 from garmentcad.cloth.lattice import build_cloth, check_grid
 from garmentcad.cloth.materials import lay_out_sheets, row_of, sheet_of
-from garmentcad.errors import InputError
+from garmentcad.errors import InputError, SpecError
 from garmentcad.fabric.sheet import KesSheet
 from garmentcad.io.arguments import as_number, as_values, refuse_no_garment, refuse_unnamed
 from garmentcad.io.fabric_file import fabric_path, load_fabric
@@ -145,17 +146,18 @@ def _read_sheets(spec: GarmentSpec, pattern: Pattern, other: _Named | None) -> t
 
 def _check_fabrics(spec: GarmentSpec, pattern: Pattern, sheets: dict[str, KesSheet]) -> list[Finding]:
     """Panels and regions whose factors or interfacing make impossible cloth, or take it out of the range of sheets; then gathers."""
-    found = []
+    found: dict[str, list[Finding]] = {}  # by key: a region, its mirror images and the pieces of a band have one fault
     for panel in pattern.panels.values():
-        for key, part in {key_of(part, panel): part for part in parts_of(panel)}.items():  # once a band that fell into pieces
+        for part in parts_of(panel):
+            key = key_of(part, panel)
             try:
                 row_of(part, panel, pattern, sheets)
             except InputError as error:
-                found.append(refusal(type(error)(error.message, file=spec.file, key=f"{key}.{error.key}")))
+                found[key] = [refusal(SpecError(error.message, file=spec.file, key=f"{key}.{error.key}"))]
                 continue
             if isinstance(part, Region):
-                found += check_factors(part, sheet_of(part, panel, pattern, sheets), key, spec.file)
-    return [*found, *check_gathers(pattern, sheets, spec.file)]
+                found[key] = check_factors(part, sheet_of(part, panel, pattern, sheets), key, spec.file)
+    return [*itertools.chain.from_iterable(found.values()), *check_gathers(pattern, sheets, spec.file)]
 
 
 def _check_placed(spec: GarmentSpec, pattern: Pattern, body: Mannequin, sheets: dict[str, KesSheet], grid_mm: float) -> list[Finding]:

@@ -13,7 +13,7 @@ class Finding:
     """error: the garment cannot be sewn or simulated like this; warning: it can, but hardly as meant; note: worth knowing.
 
     code: stable name of the kind of finding; file: the spec as the user wrote it; key: dotted path in it (elements of lists by their names);
-    message: what was found, with numbers; remedy: what to do.
+    message: what was found, with numbers; remedy: what to do, empty where the message says what is allowed and there is no more to say.
     """
 
     severity: Severity
@@ -25,4 +25,5 @@ class Finding:
 
     def __str__(self) -> str:
         where = ": ".join(part for part in (self.file, self.key) if part)
-        return f"{self.severity}: {where}{': ' if where else ''}{self.message}. {self.remedy} [{self.code}]"
+        said = " ".join(part for part in (f"{self.message}.", self.remedy, f"[{self.code}]") if part)
+        return f"{self.severity}: {where}{': ' if where else ''}{said}"

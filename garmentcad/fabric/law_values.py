@@ -19,7 +19,10 @@ def law_numbers(sheet: KesSheet, factors: Mapping[str, float] | None = None) -> 
     """
     factors = factors or {}
     for key, factor in factors.items():
-        quantity_of(key)
+        try:
+            quantity_of(key)
+        except FabricError as fault:
+            raise FabricError(fault.message, key=f"factors.{key}") from None
         if isinstance(factor, bool) or not isinstance(factor, int | float) or not (math.isfinite(factor) and factor > 0.0):
             raise FabricError(f"factor {factor!r}; a finite number above 0 is allowed", key=f"factors.{key}")
     calibrated = sheet.law.values if sheet.law is not None and is_calibrated(sheet) else {}

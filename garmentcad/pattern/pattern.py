@@ -32,13 +32,15 @@ class Edge:
 
 @dataclass(frozen=True)
 class Region:
-    """Named area (polygon, panel mm) whose fabric differs: factors on KES values, or another fabric, or a fused interfacing."""
+    """Named area (polygon, panel mm) whose fabric differs: factors on KES values, or another fabric, or a fused interfacing. key: where the spec draws it, its
+    mirror images too."""
 
     name: str
     polygon_mm: np.ndarray  # (N,2)
     factors: dict[str, float] = field(default_factory=dict)
     fabric: str | None = None
     interfacing: str | None = None
+    key: str = ""
 
 
 @dataclass(frozen=True)
@@ -217,7 +219,7 @@ def parts_of(panel: Panel) -> tuple[Panel | Region, ...]:
 
 def key_of(part: Panel | Region, panel: Panel) -> str:
     """Key path of a panel, or of one of its regions."""
-    return f"panels.{panel.name}.regions.{part.name}" if isinstance(part, Region) else f"panels.{panel.name}"
+    return part.key if isinstance(part, Region) else f"panels.{panel.name}"
 
 
 def named_fabrics(pattern: Pattern) -> dict[str, str]:

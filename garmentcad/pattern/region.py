@@ -29,7 +29,7 @@ def draft_regions(spec: PanelSpec, edges: list[Edge], scope: Scope, key: str) ->
         factors = {name: _factor(factor, scope, f"{where}.factors.{name}") for name, factor in region.factors.items()}
         interfacing = region.interfacing if region.interfacing is not None or region.fabric is not None else spec.interfacing
         for polygon in _areas(region, edges, outline, scope, where):
-            regions.append(Region(region.name, frozen(polygon), factors, region.fabric, interfacing))
+            regions.append(Region(region.name, frozen(polygon), factors, region.fabric, interfacing, where))
     return tuple(regions)
 
 
