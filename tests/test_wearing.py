@@ -102,6 +102,9 @@ def band(
     return list(check_wearing(pattern, cloth, place_vertices(pattern, cloth, body), table, body, "band.yaml"))
 
 
+AROUND = [["front.top.d", "front.top.c"], ["back.top.d", "back.top.c"]]
+
+
 def emt_weft(fabric: str) -> float:
     return load_fabric(fabric_path(fabric)).sheet.values()["EMT.weft"].value / 100.0
 
@@ -137,12 +140,59 @@ def test_a_part_that_holds_nowhere_is_found_beside_one_that_holds() -> None:
     pinned = {"name": "peg", "at": "pocket.a", "point": [0, 900, 300]}
     assert band(905.0, "wool-suiting", panels={"pocket": pocket}, pins=[pinned]) == []
     button = {"name": "button", "button": "pocket.a", "buttonhole": "front.d"}
-    belt = {"name": "belt", "along": [["pocket.a", "pocket.b"]], "length": 900, "stiffness": 9}
+    belt = {"name": "belt", "along": [["pocket.a", "pocket.b"], *AROUND], "length": 900, "stiffness": 9}
     for more in ({"buttons": [button]}, {"belts": [belt]}):
         assert band(905.0, "wool-suiting", panels={"pocket": pocket}, **more) == []
     (both,) = band(905.0, "wool-suiting", panels={"pocket": pocket, "flap": flap}, joints=[seam])
     assert both.message.startswith("pocket, flap: ")
     assert band(905.0, "wool-suiting", panels={"pocket": pocket, "flap": flap}, joints=[seam], pins=[pinned]) == []
+
+
+def test_a_garment_that_nothing_holds_up() -> None:
+    """Wider than the hip of 1000 mm; what is narrower hangs on it."""
+    (finding,) = band(1050.0, "wool-suiting")
+    assert (finding.severity, finding.code, finding.file) == ("warning", "falls-down", "band.yaml")
+    assert "it measures 1050 mm, and the body below nowhere more than 1000 mm" in finding.message
+    assert band(990.0, "wool-suiting") == []
+    peg, button = {"name": "peg", "at": "front.a", "point": [0, 1020, 200]}, {"name": "b", "button": "front.a", "buttonhole": "back.c"}
+    for more in ({"pins": [peg]}, {"buttons": [button]}):
+        assert band(1050.0, "wool-suiting", **more) == []
+
+
+@pytest.mark.parametrize(("ratio", "codes"), [(0.68, []), (0.8, ["slides-down"]), (0.97, ["falls-down"]), (1.2, ["falls-down"])])
+def test_an_elastic_holds_up_what_it_draws_in(ratio: float, codes: list[str]) -> None:
+    """A band of 1050 mm with an elastic along its upper edge, 1080 mm up, where the body measures 730 mm."""
+    found = band(1050.0, "wool-suiting", elastics=[{"name": "elastic", "along": AROUND, "ratio": ratio, "stiffness": 40}])
+    assert [finding.code for finding in found] == codes
+    if codes == ["slides-down"]:
+        assert found[0].key == "elastics.elastic"
+        assert "measures 840 mm with its elastic at rest, and the body 730 mm" in found[0].message
+        drop = 1080.0 - (1050.0 - 200.0 * (840.0 - WAIST) / (HIP - WAIST))  # to where the cone below the waist is as wide
+        assert float(re.search(r"slides down by (\d+) mm", found[0].message)[1]) == pytest.approx(drop, abs=20.0)  # girths are taped every 20 mm
+
+
+@pytest.mark.parametrize(("length", "codes"), [(720.0, []), (1010.0, ["falls-down"])])
+def test_a_belt_holds_up_what_it_goes_around(length: float, codes: list[str]) -> None:
+    found = band(1050.0, "wool-suiting", belts=[{"name": "belt", "along": AROUND, "length": length, "stiffness": 40}])
+    assert [finding.code for finding in found] == codes
+
+
+def test_a_belt_over_too_little_cloth_goes_through_the_body() -> None:
+    """Closed over the front alone, of 525 mm; or over both panels of a band that is open at one side, and too short by 100 mm."""
+    (finding,) = band(1050.0, "wool-suiting", belts=[{"name": "belt", "along": AROUND[:1], "length": 720, "stiffness": 40}])
+    assert (finding.severity, finding.code, finding.key) == ("warning", "belt-through-body", "belts.belt.along")
+    assert re.search(r"runs over 525 mm of cloth, and the body measures 7\d\d mm there", finding.message)
+    codes = {}
+    for girth in (600.0, 720.0):
+        belts = [{"name": "belt", "along": AROUND[::-1], "length": 720, "stiffness": 40}]
+        codes[girth] = [found.code for found in band(girth, "wool-suiting", sewn=1, belts=belts)]
+    assert codes == {600.0: ["belt-through-body"], 720.0: []}
+
+
+def test_a_belt_over_a_closed_ring_of_knit_goes_around_the_body() -> None:
+    """Its cloth is 100 mm shorter than the body and stretches."""
+    found = band(620.0, "interlock-knit", belts=[{"name": "belt", "along": AROUND, "length": 600, "stiffness": 40}])
+    assert [finding.code for finding in found if finding.code == "belt-through-body"] == []
 
 
 @pytest.mark.parametrize("closed", [1.0, 0.5])

@@ -99,7 +99,7 @@ def _check_belts(pattern: Pattern, mannequin: Mannequin, file: str | None) -> It
     for band in pattern.bands:
         if band.length_mm is None:
             continue
-        around = sum(_line_mm(pattern, line) for line in band.lines)
+        around = sum(line_mm(pattern, line) for line in band.lines)
         if band.length_mm < around / _GATHERED or band.length_mm > _GATHERED * max(around, girth):
             yield Finding(
                 "warning", "belt-length", file, f"belts.{band.name}.length",
@@ -108,7 +108,8 @@ def _check_belts(pattern: Pattern, mannequin: Mannequin, file: str | None) -> It
             )  # fmt: skip
 
 
-def _line_mm(pattern: Pattern, line: tuple[EdgeUse, ...] | tuple[PanelPoint, PanelPoint]) -> float:
+def line_mm(pattern: Pattern, line: tuple[EdgeUse, ...] | tuple[PanelPoint, PanelPoint]) -> float:
+    """Length of a line of a band on the flat panel, mm."""
     first, last = line[0], line[-1]
     if isinstance(first, PanelPoint) and isinstance(last, PanelPoint):
         return math.dist(first.uv_mm, last.uv_mm)

@@ -9,16 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
-from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
-from garmentcad.analysis.passing import STEP_M, girths_along, hand_girth_mm, head_girth_mm
 from garmentcad.analysis.section import Chain, Plane, cut
+from garmentcad.check.body_part import BodyPart, body_parts
 from garmentcad.check.finding import Finding
+from garmentcad.check.holding import check_belts, check_falling, check_held
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.weld import weld_seams
 from garmentcad.fabric.extension import extension
@@ -32,7 +29,6 @@ _PRESSURE_PA = 5.9e3
 _PULL_N_M = 490.3  # tension of a ring that is pulled over something, 500 gf/cm as testers pull; an estimate
 _SLACK_M = 0.045  # a ring may come to lie higher or lower on the body than it was laid by this, and by what its seams stand open
 _ANGLES = 90  # directions between warp and weft that are told apart
-_ABOVE_ANKLE_M, _NECK_M, _BELOW_NECK_M = 0.02, 0.10, 0.15  # below the neck lies a neckline
 _LEAST_MM = 3.0
 _LEAST_SPAN = np.radians(60.0)  # around a limb; the girth of a wrist, laid on the cylinder of its arm, spans 105 degrees
 
@@ -61,19 +57,6 @@ class Ring:
         return found
 
 
-class _Part(NamedTuple):
-    """A part of the body that rings go around. levels (N,) m along `axis`, taped girths (N,) mm there; passed (N,) mm: what a ring at each level has to pass;
-    by: what that is."""
-
-    name: str
-    origin: np.ndarray
-    axis: np.ndarray
-    levels: np.ndarray
-    girths: np.ndarray
-    passed: np.ndarray
-    by: str
-
-
 def check_wearing(
     pattern: Pattern, cloth: Cloth, positions: np.ndarray, materials: MaterialTable, body: Mannequin, file: str | None = None
 ) -> Iterator[Finding]:
@@ -83,38 +66,17 @@ def check_wearing(
     worn = _sewn(cloth, positions, seams)
     put_on = worn if sewn == seams else _sewn(cloth, positions, sewn)
     held = np.zeros(len(pattern.panels), dtype=bool)
-    for part in _parts(body):
+    for part in body_parts(body):
         slack = _SLACK_M + _open_along(part.axis, positions, worn[0].vertex_particle)
         rings, ringed = _rings(pattern, *worn, part)
         held |= ringed
+        if part.name == "torso":
+            yield from check_falling(pattern, *worn, part, [(ring.level, ring.length_mm) for ring in rings], body, file)
+            yield from check_belts(pattern, *worn, part, slack, file)
         yield from _check_ease(rings, part, slack, materials, file)
         yield from _check_passing(rings if put_on is worn else _rings(pattern, *put_on, part)[0], part, materials, file)
     if body.cylinders:
-        yield from _check_held(pattern, worn[0], held, file)
-
-
-def _check_held(pattern: Pattern, sewn: Cloth, ringed: np.ndarray, file: str | None) -> Iterator[Finding]:
-    """What is sewn together and held by nothing. ringed (panels,): whether a ring goes over the panel."""
-    points = [pin.at for pin in pattern.pins] + [end for button in pattern.buttons for end in (button.button, button.buttonhole)]
-    holding = {point.panel for point in points} | {line[0].panel for band in pattern.bands for line in band.lines}
-    held = ringed | np.isin(sewn.panel_names, sorted(holding))
-    lies_on = coo_array((np.ones(len(sewn.vertex_panel)), (sewn.vertex_panel, sewn.vertex_particle))).tocsr()
-    _, together = connected_components(lies_on @ lies_on.T, directed=False)
-    loose = ~np.isin(together, together[held])
-    if loose.all():
-        yield Finding(
-            "warning", "holds-nowhere", file, "panels",
-            "sewn as it is placed, no closed ring of cloth goes around the trunk, the neck, an arm or a leg, and there is no button, pin or band: it may fall",
-            "Place the panels around the body (the back of a garment at the angle 180), sew what is open, or hold it by buttons, pins or a belt.",
-        )  # fmt: skip
-        return
-    for part in np.unique(together[loose]):
-        names = [sewn.panel_names[panel] for panel in np.flatnonzero(together == part)]
-        yield Finding(
-            "warning", "holds-nowhere", file, f"panels.{names[0]}",
-            f"{', '.join(names)}: not sewn to the rest of the garment, and no ring of cloth around the body, no button, pin or band holds it: it may fall",
-            "Sew it to the rest, or hold it by buttons or pins.",
-        )  # fmt: skip
+        yield from check_held(pattern, worn[0], held, file)
 
 
 def _sewn(cloth: Cloth, positions: np.ndarray, seams: Collection[str]) -> tuple[Cloth, np.ndarray]:
@@ -134,40 +96,7 @@ def _open_along(axis: np.ndarray, positions: np.ndarray, particle: np.ndarray) -
     return float((high - low).max())
 
 
-@lru_cache(maxsize=4)  # many garments are checked on one body, which is taped at some 300 levels
-def _parts(body: Mannequin) -> tuple[_Part, ...]:
-    found = []
-    for name in ("torso", "neck", "arm_left", "arm_right", "leg_left", "leg_right"):
-        where = "head" if name == "neck" else name
-        if name not in body.cylinders or where not in body.part_names:
-            continue
-        cylinder = body.cylinders[name]
-        points = body.vertices[np.unique(body.faces[body.face_part == body.part_names.index(where)])]
-        if len(points) == 0:
-            continue
-        along = (points - cylinder.origin) @ cylinder.up
-        low, high = float(along.min()), float(along.max())
-        if name == "neck":
-            low, high = low - _BELOW_NECK_M, min(high, _NECK_M)
-        elif name.startswith("leg") and f"ankle_{name[4:]}" in body.landmarks:
-            low = float((body.landmarks[f"ankle_{name[4:]}"] - cylinder.origin) @ cylinder.up) + _ABOVE_ANKLE_M
-        levels, girths = girths_along(body, where, cylinder.up, low + float(cylinder.origin @ cylinder.up), high + float(cylinder.origin @ cylinder.up))
-        from_below = np.maximum.accumulate(girths)
-        # Raised arms narrow the shoulders: from above the bust is the least that has to pass.
-        low_enough = levels <= MM_TO_M * body.measurements_mm.get("bust_height", np.inf) + 0.5 * STEP_M
-        from_above = np.maximum.accumulate(np.where(low_enough, girths, 0.0)[::-1])[::-1]
-        passed, by = from_below, "leg"
-        if name == "torso":
-            passed, by = np.minimum(from_below, from_above), "hip or the bust"
-        elif name == "neck":
-            passed, by = np.full(len(levels), head_girth_mm(body) or 0.0), "head"
-        elif name.startswith("arm"):
-            passed, by = np.maximum(from_below, hand_girth_mm(body, name[4:]) or 0.0), "hand or the arm"
-        found.append(_Part(name, cylinder.origin, cylinder.up, levels, girths, passed, by))
-    return tuple(found)
-
-
-def _rings(pattern: Pattern, cloth: Cloth, positions: np.ndarray, part: _Part) -> tuple[list[Ring], np.ndarray]:
+def _rings(pattern: Pattern, cloth: Cloth, positions: np.ndarray, part: BodyPart) -> tuple[list[Ring], np.ndarray]:
     """The shortest ring at each level where there is one, and the openings of the garment around the part; and over which panels (N,) bool any ring goes."""
     flat, particle_triangles, found = cloth.vertex_uv_mm[cloth.triangles], cloth.particle_triangles, []
     grain = np.radians([pattern.panels[name].grain_deg for name in cloth.panel_names])
@@ -230,7 +159,7 @@ def openings(triangles: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
     return found
 
 
-def _check_ease(rings: list[Ring], part: _Part, slack: float, materials: MaterialTable, file: str | None) -> Iterator[Finding]:
+def _check_ease(rings: list[Ring], part: BodyPart, slack: float, materials: MaterialTable, file: str | None) -> Iterator[Finding]:
     """The ring that is worst off on the body, wherever within `slack` m it comes to lie: too small for it at any pull that can be worn, or only at one beyond
     what its fabric was tested to."""
     if part.name == "neck":  # where a collar lies is not known before it is draped
@@ -250,7 +179,7 @@ def _check_ease(rings: list[Ring], part: _Part, slack: float, materials: Materia
     bad = worn < girth
     yield Finding(
         "error" if bad else "warning", "ease-impossible" if bad else "stretch-untested", file, None,
-        f"around the {_said(part)}, {_level_mm(ring, part):.0f} mm up, the garment measures {ring.length_mm:.0f} mm and the body {girth:.0f} mm: "
+        f"around the {part.said}, {_level_mm(ring, part):.0f} mm up, the garment measures {ring.length_mm:.0f} mm and the body {girth:.0f} mm: "
         f"it has to stretch by {100.0 * (girth / ring.length_mm - 1.0):.1f} %, and its fabric gives {100.0 * (tested / ring.length_mm - 1.0):.1f} % "
         "at the force of its sheet (EMT)"
         + (f", {100.0 * (worn / ring.length_mm - 1.0):.1f} % at the largest pressure that can be worn" if bad else ""),
@@ -258,7 +187,7 @@ def _check_ease(rings: list[Ring], part: _Part, slack: float, materials: Materia
     )  # fmt: skip
 
 
-def _check_passing(rings: list[Ring], part: _Part, materials: MaterialTable, file: str | None) -> Iterator[Finding]:
+def _check_passing(rings: list[Ring], part: BodyPart, materials: MaterialTable, file: str | None) -> Iterator[Finding]:
     """The ring that is farthest from passing what it must."""
     worst: tuple[float, Ring, float] | None = None
     for ring in rings:
@@ -271,17 +200,12 @@ def _check_passing(rings: list[Ring], part: _Part, materials: MaterialTable, fil
         short, ring, needed = worst
         yield Finding(
             "warning", "closure-missing", file, None,
-            f"the garment cannot be put on: around the {_said(part)}, {_level_mm(ring, part):.0f} mm up, it measures {ring.length_mm:.0f} mm, "
+            f"the garment cannot be put on: around the {part.said}, {_level_mm(ring, part):.0f} mm up, it measures {ring.length_mm:.0f} mm, "
             f"pulled {needed - short:.0f} mm, and has to pass the {part.by} of {needed:.0f} mm",
             f"Leave an opening of {short:.0f} mm or more there, closed by a zip or buttons, make it wider, or take a fabric that stretches.",
         )  # fmt: skip
 
 
-def _said(part: _Part) -> str:
-    name, _, side = part.name.partition("_")
-    return f"{side} {name}" if side else {"torso": "trunk"}.get(name, name)
-
-
-def _level_mm(ring: Ring, part: _Part) -> float:
+def _level_mm(ring: Ring, part: BodyPart) -> float:
     """Height above the floor of the ring's middle."""
     return float((part.origin + (ring.level - part.origin @ part.axis) * part.axis)[1]) / MM_TO_M
