@@ -9,6 +9,8 @@ import pytest
 from command import garmentcad, garmentcad_here
 from test_bad_input import CASES, Case, place
 
+from garmentcad.io.mannequin_file import read_mannequin
+
 
 def test_help_and_version_answer() -> None:
     assert "drape" in garmentcad("--help").stdout
@@ -25,6 +27,15 @@ def test_json_prints_one_object_and_nothing_else(tmp_path: Path) -> None:
         run = garmentcad(*arguments, folder=tmp_path)
         assert run.returncode == 0, run.stderr
         assert isinstance(json.loads(run.stdout), dict)
+
+
+def test_a_mannequin_shows_the_cylinders_that_panels_are_wrapped_on(tmp_path: Path) -> None:
+    lines = garmentcad("mannequin", "show", "woman-88", folder=tmp_path).stdout.splitlines()
+    torso = read_mannequin("woman-88").cylinders["torso"]
+    front, side = 1000.0 * torso.radius_ref, 1000.0 * torso.radius_side
+    assert [line.split()[2:] for line in lines if line.startswith("cylinder torso")] == [f"{front:.1f} mm radius at the angle 0, {side:.1f} mm at 90".split()]
+    page = (Path(__file__).parents[1] / "docs" / "spec.md").read_text(encoding="utf-8")
+    assert f"of the torso {front:.0f} mm in front and {side:.0f} mm at the sides" in page  # the example there
 
 
 def test_body_of_measurements_is_made_and_read_again(tmp_path: Path) -> None:

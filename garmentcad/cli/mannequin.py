@@ -10,6 +10,7 @@ import typer
 
 from garmentcad.cli.named import named_numbers
 from garmentcad.errors import InputError, did_you_mean
+from garmentcad.units import M_TO_MM
 
 app = typer.Typer(no_args_is_help=True, help="Mannequins.")
 
@@ -28,15 +29,19 @@ def show(
     name: Annotated[str, typer.Argument(help="A shipped mannequin or a file.")],
     as_json: Annotated[bool, typer.Option("--json", help="One JSON object and nothing else.")] = False,
 ) -> None:
-    """Measurements of a mannequin in mm."""
+    """Measurements of a mannequin in mm, and the radii of the cylinders on which panels are wrapped."""
     from garmentcad.io.mannequin_file import read_mannequin
 
     body = read_mannequin(name)
+    radii = {part: (M_TO_MM * around.radius_ref, M_TO_MM * around.radius_side) for part, around in body.cylinders.items()}
     if as_json:
-        print(json.dumps({"mannequin": body.name, "measurements_mm": body.measurements_mm, "estimated": list(body.estimated), "repairs": list(body.repairs)}))
+        found = {"mannequin": body.name, "measurements_mm": body.measurements_mm, "estimated": list(body.estimated), "repairs": list(body.repairs)}
+        print(json.dumps(found | {"cylinder_radii_mm": radii}))
         return
     for key, value in sorted(body.measurements_mm.items()):
         print(f"{key:20} {value:8.1f} mm{'  (not measured on this body)' if key in body.estimated else ''}")
+    for part, (at_0, at_90) in radii.items():
+        print(f"cylinder {part:11} {at_0:8.1f} mm radius at the angle 0, {at_90:.1f} mm at 90")
     for repair in body.repairs:
         print(repair)
 
