@@ -156,7 +156,7 @@ def _check_fabrics(spec: GarmentSpec, pattern: Pattern, sheets: dict[str, KesShe
                 found[key] = [refusal(SpecError(error.message, file=spec.file, key=f"{key}.{error.key}"))]
                 continue
             if isinstance(part, Region):
-                found[key] = check_factors(part, sheet_of(part, panel, pattern, sheets), key, spec.file)
+                found[key] = list(check_factors(part, sheet_of(part, panel, pattern, sheets), key, spec.file))
     return [*itertools.chain.from_iterable(found.values()), *check_gathers(pattern, sheets, spec.file)]
 
 
