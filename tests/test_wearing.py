@@ -159,6 +159,23 @@ def test_a_garment_that_nothing_holds_up() -> None:
         assert band(1050.0, "wool-suiting", **more) == []
 
 
+def test_a_garment_that_hangs_from_the_shoulders_does_not_fall() -> None:
+    """A poncho, open at its sides below the shoulder seams: around the trunk its only ring is its neckline and those seams, wider than the hip."""
+    half = {
+        "points": {"neck": [0, -100], "side": [120, 0], "end": [430, -140], "hem_side": [430, -620], "hem": [0, -620]},
+        "edges": [{"name": p, "from": p, "to": q} for p, q in (("neck", "side"), ("side", "end"), ("end", "hem_side"), ("hem_side", "hem"), ("hem", "neck"))],
+        "mirror": "hem",
+    }
+    placed = {"front": {"translation": [0, 1490, 220]}, "back": {"translation": [0, 1490, -220], "rotation": [0, 180, 0]}}
+    panels = {name: half | {"placement": {"transform": rule}} for name, rule in placed.items()}
+    seams = [
+        {"name": "left", "a": ["front.side.side", "front.side.end"], "b": ["back.side_m.side_m", "back.side_m.end_m"]},
+        {"name": "right", "a": ["front.side_m.side_m", "front.side_m.end_m"], "b": ["back.side.side", "back.side.end"]},
+    ]
+    spec = parse_spec({"name": "poncho", "fabric": "wool-dress", "mannequin": "woman-88", "panels": panels, "seams": seams})
+    assert [str(finding) for finding in examine(spec, grid_mm=20.0)] == []
+
+
 @pytest.mark.parametrize(("ratio", "codes"), [(0.68, []), (0.8, ["slides-down"]), (0.97, ["falls-down"]), (1.2, ["falls-down"])])
 def test_an_elastic_holds_up_what_it_draws_in(ratio: float, codes: list[str]) -> None:
     """A band of 1050 mm with an elastic along its upper edge, 1080 mm up, where the body measures 730 mm."""
