@@ -28,8 +28,9 @@ from garmentcad.simulation.study import Row, StudyCase, run_study
 from tools.study import FOLDER
 
 COMMAND = "python -m tools.drape_study"
-GRID_MM, FINE_MM = 10.0, 5.0
+GRID_MM, FINE_MM, FINEST_MM = 10.0, 5.0, 2.5
 LAYS, GRID_LAYS, STEP_LAYS = 5, 10, 3
+FINEST_LAYS = 1  # one takes half an hour and more
 # Drape coefficient and nodes. Source: Matsudaira et al. 2015, J. Textile Eng. 61(6) 69-73, a public transcription of its tables; the disc is not told,
 # 12.7/25.4 cm is likely.
 MEASURED = {
@@ -42,11 +43,12 @@ KNOWN = ("W", "T0", "B.mean", "2HB.mean")  # what the sheets of these four hold;
 SHEARS = (0.3, 1.0, 3.0)  # gf/(cm.deg), beside the rule's
 DISCS = ("12.7/25.4", "18/30")
 FOUR_AT_MM = {"measured": GRID_MM, "measured-fine": FINE_MM}  # parts of these four
-AT_MM = FOUR_AT_MM | {"nodes-fine": FINE_MM}  # what is not at GRID_MM
+NODES_AT_MM = {"nodes": GRID_MM, "nodes-fine": FINE_MM, "nodes-finest": FINEST_MM}  # synthetic sheets, each part those that the one before does not resolve
+AT_MM = FOUR_AT_MM | NODES_AT_MM
 SYNTHETIC_W = 15.0  # mg/cm2
 SYNTHETIC = (
-    (0.0008, 0.025), (0.0015, 0.04), (0.003, 0.06), (0.006, 0.1), (0.012, 0.16), (0.025, 0.25), (0.05, 0.4), (0.1, 0.63), (0.2, 1.0), (0.28, 1.25),
-    (0.4, 1.6), (0.8, 2.5),
+    (0.0008, 0.025), (0.0015, 0.04), (0.0022, 0.05), (0.003, 0.06), (0.006, 0.1), (0.012, 0.16), (0.025, 0.25), (0.05, 0.4), (0.1, 0.63), (0.2, 1.0),
+    (0.28, 1.25), (0.4, 1.6), (0.8, 2.5),
 )  # fmt: skip  # B, G: G as B^(2/3)
 SYNTHETIC_SHEETS = {f"synthetic B {bending:g} G {shear:g}": (bending, shear) for bending, shear in SYNTHETIC}
 COMPARED = (
@@ -66,6 +68,11 @@ WAITED_S = 2.0
 def bending_length_mm(bending: float) -> float:
     """(B/W)^(1/3) of a synthetic sheet, B in gf.cm2/cm: cloth that hangs bends within about this length, which the lattice must resolve."""
     return 10.0 * (1e3 * bending / SYNTHETIC_W) ** (1.0 / 3.0)
+
+
+def unresolved(grid_mm: float) -> list[str]:
+    """Synthetic sheets that bend within less than a spacing."""
+    return [name for name, (bending, _) in SYNTHETIC_SHEETS.items() if bending_length_mm(bending) < grid_mm]
 
 
 def sheets() -> dict[str, KesSheet]:
@@ -101,8 +108,10 @@ def study_cases(known: Mapping[str, KesSheet]) -> list[StudyCase]:
             for part in FOUR_AT_MM:
                 found += [case(part, name, lay, disc, geometry=disc) for name in known if name.startswith("MAT15") for disc in DISCS]
             found += [case("nodes", name, lay) for name in SYNTHETIC_SHEETS]
-            found += [case("nodes-fine", name, lay) for name, (bending, _) in SYNTHETIC_SHEETS.items() if bending_length_mm(bending) < GRID_MM]
+            found += [case("nodes-fine", name, lay) for name in unresolved(GRID_MM)]
             found += [case("shipped", name, lay) for name in fabric_names()]
+        if lay < FINEST_LAYS:
+            found += [case("nodes-finest", name, lay) for name in unresolved(FINE_MM)]
         found += [case("grid", name, lay) for name in COMPARED]
         if lay < LAYS:
             found += [case("origin", name, lay) for name in COMPARED]
@@ -231,19 +240,22 @@ def _measured(named: Mapping[str, list[Row]], grid_mm: float) -> list[str]:
 
 def _nodes(parts: Mapping[str, Mapping[str, list[Row]]]) -> list[str]:
     """Synthetic sheets from limp to stiff."""
+    finest_first = sorted(NODES_AT_MM.items(), key=lambda item: item[1])
+    figures = (f"{grid_mm:g} mm: {figure}" for _, grid_mm in finest_first for figure in ("DC (SD)", "nodes (SD)", "lowest mm"))
     lines = [
         "## Nodes over stiffness", "",
         f"Synthetic sheets of {SYNTHETIC_W:g} mg/cm2 of rising B whose G goes as B^(2/3); the rest by the rules. Cloth that hangs bends within about "
-        f"c = (B/W)^(1/3). Where that is shorter than a spacing of {GRID_MM:g} mm, that lattice is too coarse for the folds, and {FINE_MM:g} mm count.", "",
-        *_table("sheet", "c mm", *(f"{grid_mm:g} mm: {figure}" for grid_mm in (FINE_MM, GRID_MM) for figure in ("DC (SD)", "nodes (SD)", "lowest mm"))),
+        "c = (B/W)^(1/3). A lattice whose spacing is longer is too coarse for the folds, and the next finer one counts.", "",
+        *_table("sheet", "c mm", *figures),
     ]  # fmt: skip
-    for name, rows in parts["nodes"].items():
-        fine = parts.get("nodes-fine", {}).get(name)
-        cells = [
-            "- | - | -" if found is None else
-            f"{_spread(_dc(found))} | {_spread(_values(found, 'nodes'))} | {_values(found, 'lowest_mm').mean():.0f}"
-            for found in (fine, rows)
-        ]  # fmt: skip
+    for name in parts["nodes"]:
+        cells = []
+        for part, _ in finest_first:
+            rows = parts.get(part, {}).get(name)
+            cells.append(
+                "- | - | -" if rows is None else
+                f"{_spread(_dc(rows))} | {_spread(_values(rows, 'nodes'))} | {_values(rows, 'lowest_mm').mean():.0f}"
+            )  # fmt: skip
         lines.append(f"| {name} | {bending_length_mm(SYNTHETIC_SHEETS[name][0]):.1f} | " + " | ".join(cells) + " |")
     return lines
 
