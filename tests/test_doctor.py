@@ -261,7 +261,7 @@ def test_a_factor_that_takes_a_value_out_of_the_range_of_a_sheet_is_found(factor
     data["panels"]["front"]["regions"] = [{"name": "r", "band": {"edge": "hem", "width": 50}, "factors": factors}]
     data["fabric"] = "interlock-knit"
     found = [finding for finding in examine(parse_spec(data, "tube.yaml")) if finding.code == "factor-out-of-range"]
-    assert [(finding.severity, finding.key) for finding in found] == [(severity, f"panels.front.regions.r.factors.{key}")]
+    assert [(finding.severity, finding.key) for finding in found] == [(severity, f"panels.front.regions.0.factors.{key}")]
     assert said in found[0].message
     data["panels"]["front"]["regions"][0]["factors"] = {"W": 2, "EMT": 0.5, "B": 4}
     assert "factor-out-of-range" not in {finding.code for finding in examine(parse_spec(data, "tube.yaml"))}
