@@ -14,7 +14,9 @@ from garmentcad.check.examine import examine
 from garmentcad.cli.named import named_numbers
 from garmentcad.cloth.state import State
 from garmentcad.errors import CheckpointError, FileError, InputError, SpecError
+from garmentcad.export.drape import drape
 from garmentcad.io.fabric_file import read_fabric
+from garmentcad.io.mannequin_file import read_mannequin
 from garmentcad.io.shipped import shipped_file
 from garmentcad.io.spec_file import read_spec, write_spec
 from garmentcad.pattern.draft import draft
@@ -88,13 +90,32 @@ def test_arguments_of_another_kind_are_refused(given: dict[str, Any], message: s
         make_job(**{"spec": "straight-skirt"} | given)
 
 
+def test_an_empty_folder_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It would be the working folder, from which a drape takes away older results."""
+    monkeypatch.chdir(tmp_path)
+    Path("front.png").write_text("mine")
+    with pytest.raises(InputError, match="folder: an empty text came"):
+        drape("straight-skirt", folder="")
+    assert Path("front.png").read_text() == "mine"
+
+
+def test_a_sheet_and_a_body_are_examined_as_their_names_are() -> None:
+    """A knit top in denim does not pass the head: the same findings for names and for what they stand for. A sheet that cannot be completed is one."""
+    sheet, body = read_fabric("denim"), read_mannequin("man-116")
+    named = examine("knit-top", "man-116", fabric="denim")
+    assert [str(finding) for finding in named]
+    assert examine("knit-top", body, fabric=sheet) == named
+    (finding,) = examine("knit-top", body, fabric=sheet.model_copy(update={"W": None, "law": None}))
+    assert (finding.severity, finding.key) == ("error", "--fabric")
+
+
 @pytest.mark.parametrize(
     ("given", "key", "says"),
     [
         ({"spec": 42}, "spec", "came 42"),
         ({"spec": None}, "spec", "a garment is a shipped name, a file or a GarmentSpec, came nothing"),
         ({"mannequin": 42}, "--mannequin", "came 42"),
-        ({"fabric": 42}, "--fabric", "a name or a file is wanted, came 42"),
+        ({"fabric": 42}, "--fabric", "a name, a file or a KesSheet is wanted, came 42"),
         ({"values": 42}, "--set", "came 42"),
         ({"values": {"length": "x"}}, "--set length", "came 'x'"),
         ({"grid_mm": "x"}, "--grid", "came 'x'"),

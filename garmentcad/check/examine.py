@@ -20,9 +20,10 @@ from garmentcad.check.wearing import check_wearing
 from garmentcad.cloth.lattice import build_cloth, check_grid
 from garmentcad.cloth.materials import lay_out_sheets, row_of, sheet_of
 from garmentcad.errors import InputError, SpecError
+from garmentcad.fabric.missing import Completed, complete
 from garmentcad.fabric.sheet import KesSheet
 from garmentcad.io.arguments import as_number, as_values, refuse_no_garment, refuse_unnamed
-from garmentcad.io.fabric_file import fabric_path, load_fabric
+from garmentcad.io.fabric_file import load_fabric
 from garmentcad.io.mannequin_file import read_mannequin
 from garmentcad.io.outfit_file import read_worn
 from garmentcad.io.shipped import resolve_reference
@@ -38,27 +39,27 @@ from garmentcad.placement.place import place_vertices
 
 def examine(
     spec: str | Path | GarmentSpec,
-    mannequin: str | None = None,
+    mannequin: str | Path | Mannequin | None = None,
     grid_mm: float = 10.0,
-    fabric: str | None = None,
+    fabric: str | Path | KesSheet | None = None,
     values: Mapping[str, float] | None = None,
 ) -> list[Finding]:
-    """All findings on a garment, or on every garment of an outfit, errors first. spec: a shipped name, a file or a model; mannequin, fabric: a shipped name or
-    a file, in place of the spec's own; values: of parameters, alike. An outfit has fabrics and values for each garment and takes none.
+    """All findings on a garment, or on every garment of an outfit, errors first. spec: a shipped name, a file or a model; mannequin, fabric: a shipped name,
+    a file, or a body or sheet, in place of the spec's own; values: of parameters, alike. An outfit has fabrics and values for each garment and takes none.
 
     Input that cannot be read at all is a finding too, not an exception. Panels are placed only when they have no errors of their own.
     """
     try:
         check_grid(as_number(grid_mm, "--grid", "a number of mm"))
-        for key, named in (("--mannequin", mannequin), ("--fabric", fabric)):
+        for key, named, made in (("--mannequin", mannequin, Mannequin), ("--fabric", fabric, KesSheet)):
             if named is not None:
-                refuse_unnamed(named, key)
+                refuse_unnamed(named, key, made)
         refuse_no_garment(spec)
         values = as_values(values)
         read = spec if isinstance(spec, GarmentSpec) else read_worn(spec)
         if isinstance(read, GarmentSpec):
             garment = with_values(read, values)
-            other = None if fabric is None else _Named(partial(fabric_path, fabric), None, "--fabric")
+            other = None if fabric is None else _Named(partial(_load_given, fabric), None, "--fabric")
             return worst_first(_examine_garment(garment, _read_body(garment, mannequin), grid_mm, other)[1])
         if fabric is not None:
             raise InputError("an outfit has a fabric for each garment; name them in its file", key="--fabric")
@@ -71,15 +72,27 @@ def examine(
 
 @dataclass(frozen=True)
 class _Named:
-    """A fabric by its name. find: its file; file, key: where the name stands."""
+    """A fabric as it was named. read: its sheet; file, key: where the name stands."""
 
-    find: Callable[[], Path]
+    read: Callable[[], Completed]
     file: str | None
     key: str
 
 
-def _read_body(spec: GarmentSpec | OutfitSpec, mannequin: str | None) -> Mannequin:
+def _load_named(name: str, spec: GarmentSpec | OutfitSpec) -> Completed:
+    """The fabric that a spec names."""
+    return load_fabric(resolve_reference(name, "fabrics", spec_folder(spec)))
+
+
+def _load_given(fabric: str | Path | KesSheet) -> Completed:
+    """A fabric that was given as a name, a file or a sheet."""
+    return complete(fabric) if isinstance(fabric, KesSheet) else load_fabric(fabric)
+
+
+def _read_body(spec: GarmentSpec | OutfitSpec, mannequin: str | Path | Mannequin | None) -> Mannequin:
     """The body that a spec names, or another one in its place. InputError says where it was named."""
+    if isinstance(mannequin, Mannequin):
+        return mannequin
     try:
         return read_mannequin(mannequin if mannequin is not None else resolve_reference(spec.mannequin, "mannequins", spec_folder(spec)))
     except InputError as error:
@@ -99,7 +112,7 @@ def _examine_outfit(outfit: OutfitSpec, garments: Sequence[GarmentSpec], body: M
         key = f"garments.{k}"
         other = None
         if entry.fabric is not None:
-            other = _Named(partial(resolve_reference, entry.fabric, "fabrics", spec_folder(outfit)), outfit.file, f"{key}.fabric")
+            other = _Named(partial(_load_named, entry.fabric, outfit), outfit.file, f"{key}.fabric")
         try:
             worn = with_values(garment, entry.values)
         except InputError as error:
@@ -134,11 +147,11 @@ def _read_sheets(spec: GarmentSpec, pattern: Pattern, other: _Named | None) -> t
     """Every sheet that the pattern names, completed, `other` in place of its own; and a finding for each that cannot be read."""
     found, sheets = [], {}
     for name, key in {**named_fabrics(pattern), pattern.fabric: "fabric"}.items():
-        named = _Named(partial(resolve_reference, name, "fabrics", spec_folder(spec)), spec.file, key)
+        named = _Named(partial(_load_named, name, spec), spec.file, key)
         if other is not None and name == pattern.fabric:
             named = other
         try:
-            sheets[name] = load_fabric(named.find()).sheet
+            sheets[name] = named.read().sheet
         except InputError as error:
             found.append(refusal(_named_at(error, named.file, named.key)))
     return sheets, found

@@ -7,6 +7,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from garmentcad.analysis.run_record import Mode
+from garmentcad.errors import InputError
 from garmentcad.export.movement import movement_report, write_movement
 from garmentcad.export.report import build_report
 from garmentcad.export.result_folder import CHECKPOINT, Result, WrittenFolder, clear_folder, make_folder, write_result_folder
@@ -38,6 +39,8 @@ def drape(
 
     Arguments as of `make_job`, which raises InputError for what is refused. A garment that did not come to rest is no error: `report["status"]` says it.
     """
+    if folder is not None and not str(folder):
+        raise InputError("an empty text came; a folder is wanted", key="folder")
     job = make_job(spec, fabric, mannequin, grid_mm=grid_mm, seed=seed, mode=mode, max_time_s=max_time_s, pose=pose, values=values)
     return finish(job, lambda progress: None, None if folder is None else Path(folder))[0]
 
