@@ -75,3 +75,14 @@ def test_what_is_stopped_while_tension_is_soft_is_judged_with_the_tension_of_its
     true = forces.energy(outcome.state.positions, outcome.state.friction)
     made, _ = record(outcome)
     assert made.energy_j["stretch"] == pytest.approx(true["stretch"] + true.get("border", 0.0))
+
+
+def test_what_was_torn_at_has_a_record() -> None:
+    """A step from such a state runs away; shorts whose crotch seam tore at them left no report."""
+    outcome = stopped_at(0.2)
+    assert record(outcome)[0].rest["residual_g_rms"] is not None
+    outcome.state.positions[0, 2] += 2.0
+    outcome.state.contact = {}
+    outcome.dynamics.start(outcome.state)
+    made, _ = record(outcome)
+    assert made.rest["residual_g_rms"] is None

@@ -88,5 +88,6 @@ def garment_ease(cloth: Cloth, positions: np.ndarray, mannequin: Mannequin) -> d
 
 
 def _holds_arms(cloth: Cloth, positions: np.ndarray, mannequin: Mannequin, girth: Girth) -> bool:
+    """Whether the loop of a girth, found again in its plane by its length, goes around an arm as well."""
     loops = loops_in_plane(cloth, positions, mannequin, horizontal(girth.level_mm * MM_TO_M))
     return any(loop.draped_mm == girth.draped_mm and any(part.startswith("arm") for part in loop.parts) for loop in loops)

@@ -37,7 +37,6 @@ class BodyPart(NamedTuple):
         return self.girths[(np.abs(self.levels - level) <= reach) & (self.girths > 0.0)]
 
 
-
 @lru_cache(maxsize=4)  # many garments are checked on one body, which is taped at some 300 levels
 def body_parts(body: Mannequin) -> tuple[BodyPart, ...]:
     """Trunk, neck, arms and legs of a body, as far as it has them."""

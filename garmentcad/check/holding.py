@@ -79,9 +79,7 @@ def check_falling(
         )  # fmt: skip
 
 
-def _around(
-    pattern: Pattern, sewn: Cloth, positions: np.ndarray, trunk: BodyPart, rings: list[tuple[float, float]]
-) -> Iterator[tuple[float, float, str]]:
+def _around(pattern: Pattern, sewn: Cloth, positions: np.ndarray, trunk: BodyPart, rings: list[tuple[float, float]]) -> Iterator[tuple[float, float, str]]:
     """Level, m, and length at rest, mm, of what goes around the trunk: rings of cloth (without a name), the nearest of them drawn in by an elastic, belts."""
     yield from ((level, length, "") for level, length in rings)
     for band in pattern.bands:

@@ -55,10 +55,12 @@ class ClothElements:
         crossed = crossed[~self._neighbours.edge_edge(crossed[:, 0], crossed[:, 1])]
         points = np.concatenate([self.points.nodes[touched[:, 0], :1], self.triangles.nodes[touched[:, 1]]], axis=1)
         edges = np.concatenate([self.edges.nodes[crossed[:, 0], :2], self.edges.nodes[crossed[:, 1], :2]], axis=1)
-        return points[self._kept(points)], edges[self._kept(edges)]
+        if self._passing.any():
+            points, edges = points[self._kept(points)], edges[self._kept(edges)]
+        return points, edges
 
     def _kept(self, nodes: np.ndarray) -> np.ndarray:
-        """(K,) bool: of pairs (K,4), those that nothing makes pass."""
+        """(K,) bool: of pairs by their nodes (K,4), those that do not pass."""
         return ~(self._passing[nodes].any(axis=1) & self._passed[nodes].all(axis=1))
 
 

@@ -211,16 +211,15 @@ class Course:
             if left.rms_g < CALM_G:
                 state.run[_CALM] = 1.0
             self._follow(state, left)
-            if rms < STANDS_M_S:
-                # What other masses than the true ones stand still with may yet move with these. What does not is no nearer to rest at any later time.
-                state.run[_TRULY if self.dynamics.equalise else STANDS] = 1.0
             if left.rms_g < READY * RESIDUAL_G and left.worst_patch_g < READY * PATCH_RESIDUAL_G:
                 if self.dynamics.equalise:
                     # Speeds of fictitious masses mean nothing to the true ones: light cloth would ring with up to 64 times its energy.
                     state.velocities[:] = 0.0
                 self._enter(state, "watch")
                 state.run["watch_from_s"] = state.time_s
-                state.run.pop(STANDS, None)
+            elif rms < STANDS_M_S:
+                # What other masses than the true ones stand still with may yet move with these. What does not is no nearer to rest at any later time.
+                state.run[_TRULY if self.dynamics.equalise else STANDS] = 1.0
         elif state.phase == "watch" and state.time_s - state.run["watch_from_s"] >= WATCH_S:
             left = self.last = residual(self.dynamics, state, self._patch)
             grew = state.run["watch_rms_2"] > max(STILL_M_S, state.run.get("watch_rms_1", 0.0))
