@@ -100,7 +100,7 @@ def test_written_files_read_back_equal(tmp_path: Path) -> None:
         }
     )
     for sheet in (hard, load_fabric(fabric_path("denim")).sheet, *(read_fabric(fabric_path(name)) for name in fabric_names())):
-        assert read_fabric(write_fabric(tmp_path / "copy.yaml", sheet)) == sheet
+        assert read_fabric(write_fabric(sheet, tmp_path / "copy.yaml")) == sheet
 
 
 def test_names_and_files(tmp_path: Path) -> None:

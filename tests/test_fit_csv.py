@@ -69,7 +69,7 @@ def test_sheet_from_three_loops_and_values(tmp_path: Path) -> None:
         kept = sheet.get(value.key)
         assert kept is not None
         assert kept.note == value.note()
-    assert read_fabric(write_fabric(tmp_path / "wool.yaml", sheet)) == sheet
+    assert read_fabric(write_fabric(sheet, tmp_path / "wool.yaml")) == sheet
     assert {key.partition(".")[0] for key in complete(sheet).assumed} - {"B", "2HB"} <= set(TRUTH) | {"WT"}
     assert sheet.description.endswith("Not measured: B.bias, 2HB.bias.")
 
@@ -187,7 +187,7 @@ def test_a_sheet_says_what_was_given_and_what_was_fitted_to_which_files(tmp_path
         write(tmp_path, "cant.csv", "property;unit;warp\nC;mm;15\n"),
     ]
     values, loops, _ = read_fit_files(files)
-    sheet = read_fabric(write_fabric(tmp_path / "x.yaml", fit_sheet("x", values, loops).sheet))
+    sheet = read_fabric(write_fabric(fit_sheet("x", values, loops).sheet, tmp_path / "x.yaml"))
     assert [sheet.origin(key) for key in ("W", "T0", "LT.warp", "B.warp")] == [
         "given in w.csv",
         "given in w.csv",

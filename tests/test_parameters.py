@@ -15,7 +15,7 @@ from garmentcad.cli.named import named_numbers
 from garmentcad.cloth.state import State
 from garmentcad.errors import CheckpointError, FileError, InputError, SpecError
 from garmentcad.export.drape import drape
-from garmentcad.io.fabric_file import read_fabric
+from garmentcad.io.fabric_file import read_fabric, write_fabric
 from garmentcad.io.mannequin_file import read_mannequin
 from garmentcad.io.shipped import shipped_file
 from garmentcad.io.spec_file import read_spec, write_spec
@@ -135,9 +135,15 @@ def test_the_doctor_finds_arguments_of_another_kind(given: dict[str, Any], key: 
         (lambda: write_spec("x", "y"), "spec: a GarmentSpec is wanted, came 'x'"),  # type: ignore[arg-type]
         (lambda: write_spec(read_spec("straight-skirt"), 42), "path: a name or a file is wanted, came 42"),  # type: ignore[arg-type]
         (lambda: write_spec(read_spec("straight-skirt"), ""), "is a folder; a file is wanted"),
+        (lambda: write_fabric("denim.yaml", read_fabric("denim")), "sheet: a KesSheet is wanted, came 'denim.yaml'"),  # type: ignore[arg-type]
+        (lambda: write_fabric(read_fabric("denim"), 42), "path: a name or a file is wanted, came 42"),  # type: ignore[arg-type]
+        (lambda: read_mannequin(None), "mannequin: a name or a file is wanted, came nothing"),  # type: ignore[arg-type]
+        (lambda: draft("straight-skirt", {}), "spec: a GarmentSpec is wanted, as read_spec reads it, came 'straight-skirt'"),  # type: ignore[arg-type]
+        (lambda: draft(read_spec("straight-skirt"), None), "measurements_mm: a mapping of names to numbers is wanted, came nothing"),  # type: ignore[arg-type]
+        (lambda: draft(read_spec("straight-skirt"), {}, 5), "values: a mapping of names to numbers is wanted, came 5"),  # type: ignore[arg-type]
     ],
 )
-def test_what_is_no_spec_or_file_is_neither_read_nor_written(call: Callable[[], object], says: str) -> None:
+def test_what_is_no_spec_sheet_or_file_is_neither_read_nor_written(call: Callable[[], object], says: str) -> None:
     with pytest.raises(InputError, match=says):
         call()
 

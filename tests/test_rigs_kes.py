@@ -156,7 +156,7 @@ def test_what_is_0_on_the_sheet_has_no_correction_in_percent() -> None:
 
 
 def test_law_values_go_into_the_file_and_leave_every_other_line_as_it_was(tmp_path) -> None:
-    path = write_fabric(tmp_path / "mine.yaml", read_fabric(fabric_path("denim")).model_copy(update={"law": None}))
+    path = write_fabric(read_fabric(fabric_path("denim")).model_copy(update={"law": None}), tmp_path / "mine.yaml")
     path.write_text("# my own note\n" + path.read_text())
     before = path.read_text()
     sheet = load_fabric(path).sheet

@@ -28,7 +28,7 @@ def fit(
         raise InputError(f"cannot write '{out.suffix or out.name}'; .yaml is allowed", file=str(out), key="--out")
     values, loops, findings = read_fit_files(files)
     sheet, fitted, assumed, remarks = fit_sheet(out.stem, values, loops)
-    write_fabric(out, sheet)
+    write_fabric(sheet, out)
     said = [str(finding) for finding in (*findings, *remarks)]
     rows = [{**value._asdict(), "unit": quantity_of(value.key).unit} for value in fitted]
     if as_json:

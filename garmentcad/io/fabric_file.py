@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 from typing import Any
 
-from garmentcad.errors import FabricError
+from garmentcad.errors import FabricError, InputError
 from garmentcad.fabric.finding import Finding
 from garmentcad.fabric.missing import Completed, complete
 from garmentcad.fabric.sheet import CalibratedLaw, KesSheet, sheet_data, sheet_from
@@ -16,6 +16,7 @@ from garmentcad.io.atomic import write_atomic
 from garmentcad.io.kes_csv import read_kes_csv
 from garmentcad.io.shipped import shipped_file, shipped_names
 from garmentcad.io.yaml_file import read_yaml
+from garmentcad.pattern.parse import shown
 
 _PLAIN = re.compile(r"[A-Za-z][A-Za-z0-9_]*|2HG5?|2HB")
 
@@ -62,8 +63,12 @@ def _sheet(path: Path) -> tuple[KesSheet, tuple[Finding, ...]]:
     return sheets[0], seen
 
 
-def write_fabric(path: str | Path, sheet: KesSheet) -> Path:
-    """Write a sheet as a fabric file that `read_fabric` reads back to an equal sheet. FileError where the folder cannot be written."""
+def write_fabric(sheet: KesSheet, path: str | Path) -> Path:
+    """Write a sheet as a fabric file that `read_fabric` reads back to an equal sheet. FileError where the folder cannot be written, InputError for what is no
+    KesSheet or no file."""
+    if not isinstance(sheet, KesSheet):
+        raise InputError(f"a KesSheet is wanted, came {shown(sheet)}", key="sheet")
+    refuse_unnamed(path, "path")
     return write_atomic(path, "\n".join(_lines(sheet_data(sheet), "")) + "\n")
 
 

@@ -13,6 +13,7 @@ from pydantic import Field
 
 from garmentcad.arrays import FrozenDict, frozen
 from garmentcad.errors import FileError, MannequinError, did_you_mean
+from garmentcad.io.arguments import refuse_unnamed
 from garmentcad.io.garmentcode_body import is_garmentcode_body, mannequin_of_body
 from garmentcad.io.mesh_file import MESH_ENDINGS, read_mesh
 from garmentcad.io.shipped import shipped_file, shipped_folder, shipped_names
@@ -59,6 +60,7 @@ def read_mannequin(name_or_path: str | Path) -> Mannequin:
     Shipped bodies are made once in a process (0.8 s each) and are read-only; any other file is read anew each time: it may have changed.
     FileError, MannequinError or MeshError (with file and key) when it is refused.
     """
+    refuse_unnamed(name_or_path, "mannequin")
     text = str(name_or_path)
     suffix = Path(text).suffix.lower()
     if suffix in MESH_ENDINGS:

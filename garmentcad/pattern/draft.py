@@ -15,6 +15,7 @@ from garmentcad.pattern.hardware import draft_hardware
 from garmentcad.pattern.mirror import mirrored_panel, unfold
 from garmentcad.pattern.names import check_made
 from garmentcad.pattern.outline import draft_loop, finish_loop, is_counter_clockwise, reverse_edge
+from garmentcad.pattern.parse import shown
 from garmentcad.pattern.pattern import Edge, EdgeUse, Panel, Pattern, Seam, Transform, Wrap
 from garmentcad.pattern.pleats import cut_pleats, pleat_seam
 from garmentcad.pattern.region import draft_regions
@@ -26,9 +27,14 @@ from garmentcad.pattern.spec import GarmentSpec, MirroredPanelSpec, PanelSpec, P
 def draft(spec: GarmentSpec, measurements_mm: Mapping[str, float], values: Mapping[str, float] | None = None) -> Pattern:
     """Pattern of a garment for a body: expressions evaluated, darts cut in, mirror unfolded, seams resolved.
 
-    measurements_mm: names of docs/spec.md; values: replaces values of parameters. SpecError or ExpressionError (with the spec's file and the key path)
-    for the first fault; `draft_errors` gives all.
+    measurements_mm: names of docs/spec.md, as a mannequin has them; values: replaces values of parameters. SpecError or ExpressionError (with the spec's file
+    and the key path) for the first fault; `draft_errors` gives all. InputError for arguments of other kinds.
     """
+    if not isinstance(spec, GarmentSpec):
+        raise InputError(f"a GarmentSpec is wanted, as read_spec reads it, came {shown(spec)}", key="spec")
+    for key, named in (("measurements_mm", measurements_mm), ("values", values)):
+        if not isinstance(named, Mapping) and not (named is None and key == "values"):
+            raise InputError(f"a mapping of names to numbers is wanted, came {shown(named)}", key=key)
     pattern, errors = draft_errors(with_values(spec, values) if values else spec, measurements_mm)
     if pattern is None:
         raise type(errors[0])(errors[0].message, file=errors[0].file, key=errors[0].key, others=errors[1:])
