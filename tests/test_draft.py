@@ -437,8 +437,22 @@ def test_values_outside_their_range() -> None:
 
 
 def test_values_are_evaluated_in_order() -> None:
-    with pytest.raises(ExpressionError, match="unknown name 'intake'"):
+    with pytest.raises(ExpressionError, match=r"unknown name 'intake' up to here: parameters get their values first, then values, each from those above it$"):
         drafted()
+
+
+def test_of_a_name_that_gets_its_value_later_no_other_one_is_proposed() -> None:
+    changes: list[tuple[Callable[[dict[str, Any]], Any], str, str]] = [
+        (lambda d: d["parameters"]["length"].update(value="length + 1"), "parameters.length.value", "length"),  # from itself
+        (lambda d: d["parameters"]["length"].update(range=["half", 700]), "parameters.length.range.0", "half"),  # from a value
+        (lambda d: d["values"].update(half="quarter * 2", quarter="half / 2"), "values.half", "quarter"),  # in a circle
+    ]
+    for change, key, name in changes:
+        with pytest.raises(ExpressionError) as caught:
+            drafted(lambda data, change=change: (ordered(data), change(data)))
+        assert caught.value.key == key
+        assert f"unknown name {name!r} up to here" in caught.value.message
+        assert "did you mean" not in caught.value.message
 
 
 def test_all_faults_are_collected() -> None:

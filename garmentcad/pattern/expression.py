@@ -8,7 +8,7 @@ from __future__ import annotations
 import ast
 import math
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from functools import lru_cache
 
 from garmentcad.errors import ExpressionError, did_you_mean
@@ -26,13 +26,13 @@ FUNCTIONS: dict[str, tuple[Callable[..., float], int, int]] = {  # function, few
 _GRAMMAR = f"allowed are numbers, names, + - * / **, parentheses and the functions {', '.join(FUNCTIONS)}"
 
 
-def evaluate(expression: float | str, names: Mapping[str, float], key: str | None = None) -> float:
-    """Value of a number or an expression over `names`. `key` is the place named in errors.
+def evaluate(expression: float | str, names: Mapping[str, float], key: str | None = None, later: Collection[str] = ()) -> float:
+    """Value of a number or an expression over `names`. `key` is the place named in errors; `later` are names that get their values only after this one.
 
     ExpressionError: bad grammar, an unknown name, division by zero, a value outside a function's domain, a result that is not finite.
     """
     try:
-        value = _value(_parse(expression), names) if isinstance(expression, str) else float(expression)
+        value = _value(_known(_parse(expression), names, later), names) if isinstance(expression, str) else float(expression)
     except ZeroDivisionError:
         raise ExpressionError(f"{expression!r} divides by zero", key=key) from None
     except OverflowError:
@@ -97,6 +97,14 @@ def _check(node: ast.expr, depth: int) -> None:
                 _check(argument, depth + 1)
         case _:
             raise _Refusal(f"{ast.unparse(node)[:60]!r} is not allowed; {_GRAMMAR}")
+
+
+def _known(body: ast.expr, names: Mapping[str, float], later: Collection[str]) -> ast.expr:
+    """The expression itself. Where a name gets its value later no other one is proposed: the order is wrong, or it goes in a circle."""
+    for node in ast.walk(body):
+        if isinstance(node, ast.Name) and node.id in later and node.id not in names:
+            raise _Refusal(f"unknown name {node.id!r} up to here: parameters get their values first, then values, each from those above it")
+    return body
 
 
 def _value(node: ast.expr, names: Mapping[str, float]) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 from garmentcad.errors import SpecError, did_you_mean
 from garmentcad.geometry.curve import Point
@@ -15,12 +15,12 @@ MAX_COORDINATE_MM = 20_000.0  # no panel is that large; keeps a slip in an expre
 class Scope:
     """Measurements, parameters and values of a garment. `number` and `point` evaluate; errors carry the key path given."""
 
-    def __init__(self, names: dict[str, float]) -> None:
-        self.names = names
+    def __init__(self, names: dict[str, float], given: Collection[str] = ()) -> None:
+        self.names, self.given = names, given  # given: all names of the spec, those that have no value yet among them
 
     def number(self, expression: Number, key: str, low: float | None = None, high: float | None = None) -> float:
         """Value of a number or expression; SpecError outside [low, high]."""
-        value = evaluate(expression, self.names, key)
+        value = evaluate(expression, self.names, key, self.given)
         if (low is not None and value < low) or (high is not None and value > high):
             came = f"{value:g}" + (f" (from {expression!r})" if isinstance(expression, str) else "")
             allowed = f"{low:g} to {high:g}" if low is not None and high is not None else f"at least {low:g}" if low is not None else f"at most {high:g}"
@@ -52,7 +52,7 @@ def with_values(spec: GarmentSpec, values: Mapping[str, float]) -> GarmentSpec:
 
 def make_scope(spec: GarmentSpec, measurements_mm: Mapping[str, float]) -> tuple[Scope, dict[str, float]]:
     """Scope of a garment and its evaluated parameters, each in its range."""
-    scope = Scope(dict(measurements_mm))
+    scope = Scope(dict(measurements_mm), {*spec.parameters, *spec.values})
     parameters: dict[str, float] = {}
     for name, parameter in spec.parameters.items():
         key = f"parameters.{name}"
