@@ -80,3 +80,19 @@ def test_the_fibre_that_sets_best_holds_the_fold() -> None:
     assert pressed_share("100% wool") == 0.85
     assert pressed_share("55% polyester, 45% Wool") == 0.9
     assert pressed_share(None) == pressed_share("hemp") == 0.75
+
+
+def test_a_fold_that_goes_through_a_dart_is_refused_and_one_that_begins_at_its_point_is_not() -> None:
+    lines = {"through": [[110, 400], [110, 0]], "from_point": [[100, 300], [100, 0]]}
+    darts = [{"name": "dart", "edge": "e_c", "at": 0.5, "intake": 30, "length": 100}]
+    made = panel(internal_lines=lines, darts=darts, folds=[{"name": "f", "line": "from_point", "angle": -150}])
+    assert [edge.name for edge in made.edges].count("dart_leg_a") == 1
+    with pytest.raises(SpecError, match=r"goes through 'dart', a dart or pleat, whose leg it crosses at \(110.0, 366.7\) mm; end it at the point") as caught:
+        panel(internal_lines=lines, darts=darts, folds=[{"name": "f", "line": "through", "angle": -150}])
+    assert caught.value.key == "panels.p.folds.f"
+
+
+def test_a_fold_that_ends_in_the_depth_of_a_pleat_is_refused() -> None:
+    pleats = [{"name": "k", "edge": "e_c", "at": {"mm": 80, "from": "d"}, "depth": 30}]
+    with pytest.raises(SpecError, match=r"goes through 'k_1', a dart or pleat, whose leg it crosses at \(100.0, 400.0\) mm"):
+        panel(internal_lines={"top": [[100, 400], [100, 200]]}, pleats=pleats, folds=[{"name": "f", "line": "top", "angle": -150}])

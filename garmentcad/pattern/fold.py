@@ -52,9 +52,12 @@ def draft_share(pressed: Pressed, scope: Scope, key: str) -> float | None:
 
 
 def cut_at_folds(panel: Panel) -> Panel:
-    """The panel with its edges, those of cutouts too, cut where folds meet them: a particle lies there. The new points are called FOLD_1, FOLD_2, ..."""
+    """The panel with its edges, those of cutouts too, cut where folds meet them: a particle lies there. The new points are called FOLD_1, FOLD_2, ...
+
+    SpecError: a fold that goes through a dart or the depth of a pleat. Their legs are sewn to each other whole, and the cloth between them lies elsewhere.
+    """
     taken = {*panel.points, *panel.drill_holes}
-    loops = [[part for edge in loop for part in _cut_edge(edge, panel.folds, taken)] for loop in (panel.edges, *panel.holes)]
+    loops = [[part for edge in loop for part in _cut_edge(edge, panel, taken)] for loop in (panel.edges, *panel.holes)]
     if not panel.folds or sum(map(len, loops)) == sum(len(loop) for loop in (panel.edges, *panel.holes)):
         return panel
     outline, *holes = (finish_loop(loop) for loop in loops)
@@ -62,16 +65,20 @@ def cut_at_folds(panel: Panel) -> Panel:
     return replace(panel, edges=outline, holes=tuple(holes), points=points)
 
 
-def _cut_edge(edge: Edge, folds: Sequence[FoldLine], taken: set[str]) -> list[Edge]:
+def _cut_edge(edge: Edge, panel: Panel, taken: set[str]) -> list[Edge]:
     """The pieces of an edge; names of new points are added to `taken`."""
     found: list[tuple[float, str]] = []
-    if not folds:
+    if not panel.folds:
         return [edge]
     length, drawn = edge.curve.length, sampled(edge.curve)
-    for fold in folds:
+    for fold in panel.folds:
         for a, b in pairwise(fold.points_mm):
             for at in meeting(edge.curve, drawn, a, b):
                 if all(abs(at - other) * length > _SAME_MM for other in (0.0, 1.0, *(done for done, _ in found))):
+                    if edge.dart is not None:
+                        x, y = edge.curve.points_at(at)[0]
+                        text = f"the line goes through {edge.dart!r}, a dart or pleat, whose leg it crosses at ({x:.1f}, {y:.1f}) mm"
+                        raise SpecError(f"{text}; end it at the point, or before it", key=f"panels.{panel.name}.folds.{fold.name}")
                     number = 1
                     while (name := f"{fold.name}_{number}") in taken:
                         number += 1
