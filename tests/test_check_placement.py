@@ -77,6 +77,21 @@ def test_twisted_seam() -> None:
     assert f"{far:.0f} and {far:.0f} mm apart; with one side turned around they would be {gap:.0f} and {gap:.0f}" in found[0].message
 
 
+def test_the_twisted_ends_of_a_band_that_stand_far_apart() -> None:
+    """Seen from 200 mm away both ends of a side of 10 mm are equally far, to a quarter of a millimetre."""
+
+    def band(data: dict[str, Any], b: list[str]) -> None:
+        drawn = panel(0)
+        drawn["points"] = {"a": [-300, 0], "b": [300, 0], "c": [300, 10], "d": [-300, 10]}
+        data["panels"] = {"band": drawn}
+        data["seams"] = [{"name": "ends", "a": ["band.right.b", "band.right.c"], "b": b}]
+
+    assert findings(lambda data: band(data, ["band.left.a", "band.left.d"])) == []
+    (found,) = findings(lambda data: band(data, ["band.left.d", "band.left.a"]))
+    assert (found.code, found.key, found.severity) == ("seam-twisted", "seams.ends", "error")
+    assert "its sides go opposite ways" in found.message
+
+
 def test_a_side_that_lies_higher_than_the_other_is_not_twisted() -> None:
     """Turned around, one pair of points would be closer and the other one farther away."""
     assert findings(lambda data: data["panels"]["back"]["placement"]["wrap"].update(height=700)) == []

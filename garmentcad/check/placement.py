@@ -13,13 +13,14 @@ from garmentcad.check.finding import Finding
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.geometry.intersection import crossing_owners, crossing_triangle_pairs
 from garmentcad.mannequin.mannequin import Mannequin
-from garmentcad.pattern.pattern import EdgeUse, Pattern, Wrap
+from garmentcad.pattern.pattern import EdgeUse, Pattern, Seam, Wrap
 from garmentcad.pattern.runs import side_length
 from garmentcad.units import M_TO_MM, MM_TO_M
 
 _FAR_M = 1.0  # flat panels of GarmentCode start up to half a metre away
-_CROSSED = -0.8  # cosine between the ways from one seam to the other along both of their sides
+_CROSSED = -0.8  # cosine between ways that go against each other: from one seam to the other along both of their sides, and along both sides of one seam
 _APART_M = 0.050  # seams nearer to each other say nothing
+_STRAIGHT = 0.7  # of the length of a side, between its ends
 SHALLOW_M = 0.010  # contact pushes shallower points out gently while the seams close
 
 
@@ -109,17 +110,37 @@ def check_twists(pattern: Pattern, cloth: Cloth, positions: np.ndarray, file: st
     for seam in pattern.seams:
         if any(pattern.panels[use.panel].edges[use.edge].dart for use in (*seam.a, *seam.b)):
             continue
-        first_a, last_a, first_b, last_b = (_placed(pattern, cloth, positions, side, at) for side in (seam.a, seam.b) for at in (0.25, 0.75))
+        first_a, last_a, first_b, last_b = _at(pattern, cloth, positions, seam, 0.25, 0.75)
         straight = np.linalg.norm(first_a - first_b), np.linalg.norm(last_a - last_b)
         swapped = np.linalg.norm(first_a - last_b), np.linalg.norm(last_a - first_b)
+        remedy = "Swap the first and last point of one side, or correct the placement of its panel."
         # A hair's breadth is no twist: points that are equally far say nothing.
         if swapped[0] + MM_TO_M < straight[0] and swapped[1] + MM_TO_M < straight[1]:
             yield Finding(
                 "error", "seam-twisted", file, f"seams.{seam.name}",
                 f"as placed, a quarter and three quarters along the seam its sides are {straight[0] * M_TO_MM:.0f} and {straight[1] * M_TO_MM:.0f} mm apart; "
                 f"with one side turned around they would be {swapped[0] * M_TO_MM:.0f} and {swapped[1] * M_TO_MM:.0f} mm apart",
-                "Swap the first and last point of one side, or correct the placement of its panel.",
+                remedy,
             )  # fmt: skip
+        elif _opposite(pattern, cloth, positions, seam):
+            text = "as placed, its sides go opposite ways from their first points to their last"
+            yield Finding("error", "seam-twisted", file, f"seams.{seam.name}", text, remedy)
+
+
+def _opposite(pattern: Pattern, cloth: Cloth, positions: np.ndarray, seam: Seam) -> bool:
+    """Whether both sides lie nearly straight and go opposite ways. Where they are short and far apart (the ends of a waistband) distances are nearly alike."""
+    first_a, last_a, first_b, last_b = _at(pattern, cloth, positions, seam, 0.0, 1.0)
+    ways = last_a - first_a, last_b - first_b
+    lengths = [float(np.linalg.norm(way)) for way in ways]
+    if any(length <= _STRAIGHT * MM_TO_M * side_length(pattern, side) for length, side in zip(lengths, (seam.a, seam.b))):
+        return False  # of a ring, whose ends lie in one place, they say nothing
+    nearer = np.linalg.norm(first_a - last_b) < np.linalg.norm(first_a - first_b) and np.linalg.norm(last_a - first_b) < np.linalg.norm(last_a - last_b)
+    return bool(nearer and ways[0] @ ways[1] < _CROSSED * lengths[0] * lengths[1])
+
+
+def _at(pattern: Pattern, cloth: Cloth, positions: np.ndarray, seam: Seam, first: float, last: float) -> list[np.ndarray]:
+    """Places (3,) at two fractions of side a, then of side b."""
+    return [_placed(pattern, cloth, positions, side, at) for side in (seam.a, seam.b) for at in (first, last)]
 
 
 def check_crossed(pattern: Pattern, cloth: Cloth, positions: np.ndarray, file: str | None = None) -> Iterator[Finding]:
