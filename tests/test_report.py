@@ -147,6 +147,15 @@ def test_what_was_not_measured_has_no_unit() -> None:
     assert rows["pressure"].endswith(" kPa")
 
 
+@pytest.mark.parametrize(("drop", "says"), [(12.04, "12.0 mm below where it was placed"), (-30.4, "30.4 mm above where it was placed")])
+def test_a_waist_that_rode_up_lies_above_its_place(drop: float, says: str) -> None:
+    report = build_report(run_record(), tube_measures()) | {"waist_drop_mm": drop}
+    console = Console(width=120, record=True, file=io.StringIO())
+    console.print(report_table(report))
+    (waist,) = (line.split("│")[2].strip() for line in console.export_text().splitlines() if line.split("│")[1:2] and line.split("│")[1].strip() == "waist")
+    assert waist == says
+
+
 def test_a_record_without_a_promised_key_is_a_fault() -> None:
     with pytest.raises(ValueError, match=r"rest lacks residual_g_rms"):
         build_report(dataclasses.replace(run_record(), rest={"max_speed_m_s": 0.0, "rms_speed_m_s": 0.0, "kinetic_j_per_kg": 0.0}), tube_measures())

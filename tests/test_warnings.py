@@ -31,5 +31,6 @@ def test_what_a_sheet_lacks_is_told_by_its_own_name() -> None:
     replaced = _of_sheets(make_job("knit-top", fabric="stretch-twill"))
     assert replaced
     assert all(warning.startswith("stretch-twill: ") for warning in replaced)
+    assert not any("warning" in warning for warning in replaced), "they stand among the warnings of the report"
     names = {warning.partition(": ")[0] for warning in _of_sheets(make_job("tucked-in"))}
     assert names == {"interlock-knit"}, "a garment of an outfit knows its fabrics by their files"

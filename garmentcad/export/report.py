@@ -144,7 +144,8 @@ def report_table(report: Mapping[str, Any]) -> Table:
     if report["hem"]["nodes"] is not None:
         table.add_row("hem from above", f"{report['hem']['nodes']} nodes, drape coefficient {report['hem']['drape_coefficient_percent']:.1f} %")
     if report["waist_drop_mm"] is not None:
-        table.add_row("waist", f"{report['waist_drop_mm']:+.1f} mm below where it was placed")
+        drop = report["waist_drop_mm"]
+        table.add_row("waist", f"{abs(drop):.1f} mm {'below' if drop >= 0.0 else 'above'} where it was placed")
     reach = [value for value in report["armhole_to_shoulder_mm"].values() if value is not None]
     if reach:
         table.add_row("armholes", f"{' and '.join(f'{value:.1f}' for value in reach)} mm from the shoulder points")
