@@ -79,3 +79,24 @@ def test_refused(tmp_path: Path) -> None:
         assert run.returncode == 2, run.stderr
         assert says in run.stdout + run.stderr
         assert "Traceback" not in run.stderr
+
+
+def test_what_export_refuses_of_a_pattern_names_its_file(tmp_path: Path) -> None:
+    edges = "[{name: e1, from: a, to: b}, {name: e2, from: b, to: c}, {name: e3, from: c, to: a}]"
+    hole = "[[{name: hole, from: h, to: h, arc: {center: [110, 60], direction: clockwise}}]]"
+    spec = f"""schema: 1
+units: mm
+name: x
+fabric: cotton-shirting
+mannequin: woman-88
+panels:
+  p:
+    points: {{a: [0, 0], b: [200, 0], c: [100, 200], h: [100, 60]}}
+    edges: {edges}
+    cutouts: {hole}
+    placement: {{transform: {{translation: [0, 1000, 300]}}}}
+"""
+    (tmp_path / "x.yaml").write_text(spec)
+    run = garmentcad_here("export", "x.yaml", "-o", "x.json", folder=tmp_path)
+    assert (run.returncode, run.stdout) == (2, "")
+    assert run.stderr.startswith("garmentcad: x.yaml: panels.p.cutouts: GarmentCode files have no cutouts")

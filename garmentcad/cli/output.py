@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from garmentcad.errors import InputError
+from garmentcad.errors import InputError, SpecError
 
 
 class View(StrEnum):
@@ -86,6 +86,10 @@ def _export_pattern(source: str, out: Path, mannequin: str | None) -> None:
     from garmentcad.simulation.job import make_job
 
     job = make_job(source, mannequin=mannequin)
-    for note in write_garmentcode(out, job.pattern, job.mannequin):
+    try:
+        notes = write_garmentcode(out, job.pattern, job.mannequin)
+    except SpecError as fault:  # a pattern does not know its file
+        raise SpecError(fault.message, file=job.spec.file, key=fault.key) from None
+    for note in notes:
         print(f"note: {note}", file=sys.stderr)
     print(out)
