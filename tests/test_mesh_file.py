@@ -49,6 +49,27 @@ def test_units_are_found_or_given(tmp_path, factor, unit):
     assert np.ptp(read_mesh(path, unit)[0][:, 1]) == pytest.approx(1.7, rel=1e-6)
 
 
+def test_a_scan_in_inches_is_not_taken_for_a_dwarf_in_silence(tmp_path):
+    path = tmp_path / "body.obj"
+    egg(1.7 / 0.0254).export(path)
+    vertices, _, said = read_mesh(path)
+    assert np.ptp(vertices[:, 1]) == pytest.approx(0.669, abs=1e-3)
+    assert len(said) == 1
+    assert "66.93 was read as 669 mm of height" in said[0]
+    assert "`unit: inch`" in said[0]
+    assert read_mesh(path, unit="cm")[2] == read_mesh(path, unit="inch")[2] == ()
+
+
+@pytest.mark.parametrize(("axes", "said"), [([0, 2, 1], "along z it is as long as a body: turn the scan upright"), ([0, 1, 2], "`unit: inch`")])
+def test_what_no_unit_makes_a_body_is_refused_with_what_helps(tmp_path, axes, said):
+    mesh = egg(1.7 if axes[1] == 2 else 17.0)
+    mesh.vertices = np.asarray(mesh.vertices)[:, axes]
+    mesh.export(tmp_path / "body.obj")
+    with pytest.raises(MeshError) as fault:
+        read_mesh(tmp_path / "body.obj")
+    assert said in fault.value.message
+
+
 def test_inside_out_surface_is_turned(tmp_path):
     path = tmp_path / "body.ply"
     mesh = egg()

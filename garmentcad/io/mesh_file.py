@@ -22,15 +22,17 @@ MAX_BYTES = 200_000_000
 MAX_FACES = 500_000
 MIN_FACES = 100
 MIN_STATURE_M, MAX_STATURE_M = 0.5, 2.5
+LEAST_GROWN_M = 1.0  # a scan in inches that is read in cm stands lower
 UNITS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "inch": 0.0254, "mm": 0.001}
 _STL_HEAD, _STL_FACET = 84, 50  # bytes
+_HOW_UNIT = "name the scan and `unit: {}` in a file that stands beside it"
 
 
 def read_mesh(path: str | Path, unit: str | None = None) -> tuple[np.ndarray, np.ndarray, tuple[str, ...]]:
     """The one closed surface in a mesh file: vertices (V,3) float64 in m and faces (F,3) int32, counter-clockwise from outside; y is up. And what was repaired.
 
-    unit: one of UNITS; None takes the one (m, cm or mm) that makes the height that of a body (0.5 to 2.5 m). Vertices at the same place are joined; small
-    holes, stray pieces and turned faces are repaired (geometry/repair.py).
+    unit: one of UNITS; None takes the one (m, cm or mm) that makes the height that of a body (0.5 to 2.5 m), and says so
+    where inches are as likely. Vertices at the same place are joined; small holes, stray pieces and turned faces are repaired (geometry/repair.py).
     MeshError when the file holds no mesh, lies about its size, has values that are not finite, more than MAX_FACES faces, is not closed, holds several
     pieces, or is no body by its height; where the repaired surface crosses itself. FileError when it cannot be read.
     """
@@ -52,7 +54,9 @@ def read_mesh(path: str | Path, unit: str | None = None) -> tuple[np.ndarray, np
     if notes and len(crossings := crossing_triangle_pairs(floats(vertices), indices(faces))):
         raise MeshError(f"repaired ({'; '.join(notes)}), the surface crosses itself in {len(crossings)} pairs of faces; repair the scan", file=file)
     height = float(np.ptp(vertices[:, 1]))
-    scale = UNITS[unit] if unit is not None else _unit_for(height, file)
+    scale = UNITS[unit] if unit is not None else _unit_for(np.ptp(vertices, axis=0), file)
+    if unit is None and scale * height < LEAST_GROWN_M <= UNITS["inch"] * height <= MAX_STATURE_M:
+        notes = (*notes, f"{height:.4g} was read as {1000.0 * scale * height:.0f} mm of height; where the numbers are inches, {_HOW_UNIT.format('inch')}")
     if not MIN_STATURE_M <= scale * height <= MAX_STATURE_M:
         raise MeshError(f"the height along y is {scale * height:.4g} m; allowed: {MIN_STATURE_M:g} to {MAX_STATURE_M:g} m (y is up)", file=file)
     a, b, c = (vertices[faces[:, corner]] for corner in range(3))
@@ -168,10 +172,21 @@ def _check_surface(vertices: np.ndarray, faces: np.ndarray, file: str) -> None:
         raise MeshError(f"{pieces} separate surfaces; one closed body is wanted", file=file)
 
 
-def _unit_for(height: float, file: str) -> float:
-    for name in ("m", "cm", "mm"):
-        if MIN_STATURE_M <= UNITS[name] * height <= MAX_STATURE_M:
-            return UNITS[name]
+def _unit_for(extents: np.ndarray, file: str) -> float:
+    height = extents[1]
+    if (scale := _unit_of(height)) is not None:
+        return scale
+    # Other programs have z up. Which way to turn the scan would be a guess.
+    longest = int(np.argmax(extents))
+    if longest != 1 and _unit_of(extents[longest]) is not None:
+        remedy = f"along {'xyz'[longest]} it is as long as a body: turn the scan upright"
+    else:
+        remedy = f"{_HOW_UNIT.format('inch')} (allowed: {', '.join(UNITS)})"
     raise MeshError(
-        f"the height along y is {height:.4g}: in m, cm and mm alike outside {MIN_STATURE_M:g} to {MAX_STATURE_M:g} m (y is up); give the unit", file=file
+        f"the height along y is {height:.4g}: in m, cm and mm alike outside {MIN_STATURE_M:g} to {MAX_STATURE_M:g} m (y is up); {remedy}", file=file
     )
+
+
+def _unit_of(length: float) -> float | None:
+    """The one of m, cm and mm that makes a length the height of a body."""
+    return next((UNITS[name] for name in ("m", "cm", "mm") if MIN_STATURE_M <= UNITS[name] * length <= MAX_STATURE_M), None)
