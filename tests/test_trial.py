@@ -25,6 +25,7 @@ from garmentcad.export.report import blank_report
 from garmentcad.export.result_folder import Result
 from garmentcad.io.garment_test_file import GarmentTestCase, read_garment_tests
 from garmentcad.regression import lays as lays_module
+from garmentcad.regression.junit import write_junit
 from garmentcad.regression.remake import UnfitBaselineError, remake
 from garmentcad.regression.trial import prepare, run_trial
 from garmentcad.simulation.job import Job
@@ -177,6 +178,16 @@ def two_folders(folder: Path) -> None:
     for name in ("a", "b"):
         (folder / name).mkdir()
         case_in(folder / name, "schema: 1\nspec: band.yaml\ngrid_mm: 30\nreport: {hem_height_mm: {value: 10, tol: 1}}\n")
+
+
+def test_a_key_of_both_report_and_baseline_is_two_cases(tmp_path: Path, drapes: Fake) -> None:
+    case = case_in(tmp_path, TEST.replace("report: {", "report: {hem_height_mm: [0, 1000], "))
+    drapes(scattered)
+    remake(case, 6, lambda said: None)
+    write_junit(tmp_path / "j.xml", [run_trial(prepare(case), None)])
+    names = [found.get("name") for found in ElementTree.parse(tmp_path / "j.xml").iter("testcase")]
+    assert {"hem_height_mm", "hem_height_mm (baseline)"} <= set(names)
+    assert len(names) == len(set(names))
 
 
 def test_failed_drapes_of_one_name_are_both_kept(drapes: Fake, tmp_path: Path) -> None:

@@ -21,13 +21,14 @@ from scipy.stats import t as student
 
 from garmentcad.errors import FileError, SpecError
 from garmentcad.io.atomic import write_atomic
+from garmentcad.io.json_file import read_json
 from garmentcad.io.npz_file import read_npz
-from garmentcad.io.yaml_file import read_yaml
 from garmentcad.pattern.garment_test import ANY, SHAPE, Number, ReportKey, Tolerance
 from garmentcad.pattern.model import Model
 from garmentcad.pattern.parse import parse_model
 
 CONFIDENCE = 0.9998
+_REMEDY = "make it anew with `garmentcad test --remake`"
 LEAST_COUNT, LEAST_SHARE = 1.0, 1e-3
 # So many that k (10.5) is less than three times what any number of lays would make it (3.7). Five have 14, four 25, three 82: that holds for anything.
 FEWEST_LAYS = 6
@@ -132,18 +133,17 @@ def write_baseline(path: Path, baseline: Baseline, shape: Shape) -> tuple[Path, 
 def read_baseline(path: Path, setting: dict[str, str], keys: Sequence[str]) -> Baseline:
     """Read what `write_baseline` wrote. FileError or SpecError for a file that is missing, torn, was made for another setting or
     for other keys, or lacks the figures of a key: a key without one would pass unseen."""
-    remedy = "make it anew with `garmentcad test --remake`"
     if not path.exists():
-        raise FileError(f"there is no baseline yet; {remedy}", file=str(path))
-    baseline = parse_model(Baseline, read_yaml(path), str(path))  # JSON is YAML: one door with its caps
+        raise FileError(f"there is no baseline yet; {_REMEDY}", file=str(path))
+    baseline = parse_model(Baseline, read_json(path), str(path))
     here = setting | {"keys": " ".join(sorted(keys))}
     there = baseline.setting | {"keys": " ".join(sorted(baseline.keys))}
     unlike = [f"{name}: {there.get(name)!r} there, {here.get(name)!r} here" for name in sorted({*here, *there}) if there.get(name) != here.get(name)]
     if unlike:
-        raise SpecError(f"the baseline belongs to another test ({', '.join(unlike)}); {remedy}", file=str(path))
+        raise SpecError(f"the baseline belongs to another test ({', '.join(unlike)}); {_REMEDY}", file=str(path))
     bare = [key for key in keys if not _has_figure(baseline, key)]
     if bare:
-        raise SpecError(f"there is no figure of {', '.join(bare)}; {remedy}", file=str(path), key="report")
+        raise SpecError(f"there is no figure of {', '.join(bare)}; {_REMEDY}", file=str(path), key="report")
     return baseline
 
 
@@ -157,6 +157,8 @@ def _has_figure(baseline: Baseline, key: str) -> bool:
 def read_shape(path: Path) -> Shape:
     """The shape beside a baseline. FileError where it is missing, torn, or no surface."""
     beside = path.with_suffix(".npz")
+    if not beside.exists():
+        raise FileError(f"the shape that belongs to {path.name} is missing; take it back from where both are kept, or {_REMEDY}", file=str(beside))
     arrays = read_npz(beside)
     try:
         positions, triangles, owner = (arrays[name] for name in ("positions", "triangles", "vertex_particle"))

@@ -127,9 +127,11 @@ def verdicts_on(trial: Trial, lays: Sequence[Lay]) -> list[Verdict]:
     if trial.baseline is None:
         return verdicts
     reports = [lay.result.report for lay in lays]
+    by_hand = {verdict.key for verdict in verdicts}
     for key, figure in trial.baseline.report.items():
         value = means(reports, key).get(key)
-        verdicts.append(Verdict(key, expected_text(figure.expected), came_text(value), holds(value, figure.expected)))
+        name = f"{key} (baseline)" if key in by_hand else key  # servers that read JUnit XML take two cases of one name for one
+        verdicts.append(Verdict(name, expected_text(figure.expected), came_text(value), holds(value, figure.expected)))
     if limits := trial.baseline.distances():
         apart = distance_from_baseline(trial, lays[0].result)
         came = {SHAPE: {"rms_mm": apart and apart.rms_mm, "max_mm": apart and apart.max_mm}}
