@@ -15,6 +15,7 @@ from garmentcad.check.doctor import check_pattern, refusal
 from garmentcad.check.examine import examine
 from garmentcad.check.finding import Finding
 from garmentcad.check.gather import check_gathers, fullest
+from garmentcad.errors import SpecError
 from garmentcad.fabric.material import material_row
 from garmentcad.io.fabric_file import fabric_path, load_fabric
 from garmentcad.io.shipped import shipped_file
@@ -283,6 +284,7 @@ def test_refusals_are_findings() -> None:
     assert (finding.severity, finding.file, finding.key) == ("error", "tube.yaml", "panels.front.edges.2.from")
     assert str(finding).startswith("error: tube.yaml: panels.front.edges.2.from: the outline is open")
     assert str(finding).endswith(" Correct it; docs/spec.md describes every key of a spec. [refused]")
+    assert "docs/garmentcode.md" in refusal(SpecError("no panel is called 'x'", file="x.json")).remedy
 
 
 @pytest.mark.parametrize(("spec", "more"), [("straight-skirt", {"grid_mm": 0.0}), ("strait-skirt", {}), ("none.yaml", {}), ("t-shirt", {"fabric": "silk-9"})])

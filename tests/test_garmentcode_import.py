@@ -325,6 +325,10 @@ def test_what_is_assumed_is_said(tmp_path: Path) -> None:
         "panel 'a': it is assumed that edge 0 is a hem, for it is not sewn",
         "panel 'b': it is assumed that edge 0 is a hem, for it is not sewn",
     ]
+    curved = pattern_file({"a": panel(*SQUARE, e1=[0.5, 0.1])})
+    assert not any("curvature_coords" in note for note in imported(curved, tmp_path)[0].notes)
+    del curved["properties"]["curvature_coords"]
+    assert any("curvature_coords is missing: control points are taken relative" in note for note in imported(curved, tmp_path)[0].notes)
     (tmp_path / "body_measurements.yaml").write_text("body: {}\n")
     assert not any("mannequin" in note for note in imported(data, tmp_path)[0].notes)
 
@@ -373,7 +377,8 @@ REFUSED = [
     ("true as a number", changed(f"{FRONT}/vertices/1/0", True), "pattern.panels.wb_front.vertices.1.0", ("a number", "came true")),
     ("three coordinates", changed(f"{FRONT}/vertices/1", [1, 2, 3]), "pattern.panels.wb_front.vertices.1", ("at most 2",)),
     ("huge coordinate", changed(f"{FRONT}/vertices/1/0", 1e7), "pattern.panels.wb_front.vertices.1.0", ("at most 1e6",)),
-    ("a panel of 30 m", changed(f"{FRONT}/vertices/1/0", 3000), "pattern.panels.wb_front.points.p1.0", ("20000",)),
+    ("a panel of 30 m", changed(f"{FRONT}/vertices/1/0", 3000), "pattern.panels.wb_front.vertices.1.0", ("3000 is 30000 mm", "has 100 units", "20000 mm")),
+    ("placed 30 m away", changed(f"{FRONT}/translation/2", -3000), "pattern.panels.wb_front.translation.2", ("-3000 is -30000 mm", "20000 mm")),
     ("unknown curve", changed(CURVE, {"type": "nurbs", "params": []}), CURVE_KEY, ("quadratic, cubic or circle",)),
     ("one control point", changed(CURVE, {"type": "cubic", "params": [[0, 1]]}), f"{CURVE_KEY}.params", ("at least 2",)),
     ("short radius", changed(CURVE, circle(20, 0, 1)), f"{CURVE_KEY}.params.0", ("200.000 mm", "450.000 mm")),
@@ -382,13 +387,14 @@ REFUSED = [
     ("unknown panel", changed("pattern/stitches/1/0/panel", "wb_frond"), "pattern.stitches.1.0.panel", ("'wb_frond'", "did you mean 'wb_front'")),
     ("unknown edge", changed("pattern/stitches/1/0/edge", 4), "pattern.stitches.1.0.edge", ("no edge 4", "has 4")),
     ("one edge alone", changed("pattern/stitches/1", [{"panel": "wb_front", "edge": 1}]), "pattern.stitches.1", ("two edges",)),
+    ("negative edge", changed("pattern/stitches/1/1/edge", -1), "pattern.stitches.1.1.edge", ("whole number", "came -1")),
     ("unknown kind of stitch", changed("pattern/stitches/1", stitch("a", 3, "b", 0, "wrong_right")), "pattern.stitches.1", ("right_wrong",)),
     ("stitch of the first drafts", changed("pattern/stitches/1", {"from": {}, "to": {}}), "pattern.stitches.1", ("a stitch is a list",)),
     ("no translation", changed(f"{FRONT}/translation", None), "pattern.panels.wb_front.translation", ("list",)),
     ("unit of nothing", changed("properties/units_in_meter", 0), "properties.units_in_meter", ("greater than or equal to 1",)),
     ("other coordinates", changed("properties/curvature_coords", "polar"), "properties.curvature_coords", ("'relative' or 'absolute'",)),
     ("many panels", changed("pattern/panels", {f"p{k}": panel(*SQUARE) for k in range(201)}), "pattern.panels", ("at most 200",)),
-    ("a gather of 16 to 1", changed("pattern/panels/skirt_front/vertices/2/0", 900), "pattern.stitches", ("8215.2 mm", "10 to 1")),
+    ("a gather of 16 to 1", changed("pattern/panels/skirt_front/vertices/2/0", 900), "pattern.stitches.2", ("8215.2 mm", "10 to 1")),
 ]  # fmt: skip
 
 

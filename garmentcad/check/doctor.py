@@ -24,7 +24,11 @@ def check_pattern(spec: GarmentSpec, pattern: Pattern, grid_mm: float = 10.0) ->
 
 def refusal(error: InputError) -> Finding:
     """The finding for input that was refused: the message itself says what is allowed."""
-    remedy = "Correct it; docs/spec.md describes every key of a spec." if isinstance(error, (SpecError, ExpressionError)) and error.file is not None else ""
+    remedy = ""
+    if isinstance(error, (SpecError, ExpressionError)) and error.file is not None:
+        foreign = error.file.lower().endswith(".json")
+        page = "docs/garmentcode.md says what is read of a GarmentCode file" if foreign else "docs/spec.md describes every key of a spec"
+        remedy = f"Correct it; {page}."
     return Finding("error", "refused", error.file, error.key, error.message.rstrip("."), remedy)
 
 

@@ -5,6 +5,7 @@ The format as GarmentCode and its forerunner, the Garment Pattern Generator, wri
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -169,8 +170,13 @@ def read_garmentcode_file(path: str | Path) -> GarmentCodeFile:
     try:
         return GarmentCodeFile.model_validate(data)
     except ValidationError as fault:
-        errors = spec_errors(fault, file)
+        errors = [SpecError(error.message, file=file, key=_in_file(error.key)) for error in spec_errors(fault, file)]
         raise SpecError(errors[0].message, file=file, key=errors[0].key, others=errors[1:]) from None
+
+
+def _in_file(key: str | None) -> str | None:
+    """The key path as the file has it: a stitch is a list there, and `a` and `b` are names of ours."""
+    return key and re.sub(r"^(pattern\.stitches\.\d+)\.([ab])(?=\.|$)", lambda found: f"{found[1]}.{'ab'.index(found[2])}", key)
 
 
 def unread(part: BaseModel, key: str = "") -> Iterator[str]:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -24,7 +24,7 @@ from garmentcad.pattern.outline import draft_loop, is_counter_clockwise
 from garmentcad.pattern.parse import parse_spec
 from garmentcad.pattern.pattern import Pattern, Transform
 from garmentcad.pattern.runs import side_length
-from garmentcad.pattern.scope import Scope
+from garmentcad.pattern.scope import MAX_COORDINATE_MM, Scope
 from garmentcad.pattern.spec import EdgeSpec, GarmentSpec
 
 FABRIC = "cotton-shirting"  # the format names none
@@ -67,13 +67,13 @@ def _imported(content: GarmentCodeFile, path: Path) -> Imported:
     for old, name in names.items():
         panels[name] = _Reader(content, old).panel()
         notes += _panel_notes(content.pattern.panels[old], old, panels[name])
-    seams = _seams(content, names)
+    seams, stitches = _seams(content, names)
     data: dict[str, Any] = {
         "name": _spec_name(path.stem.removesuffix("_specification"), set()), "description": f"From the GarmentCode file {path.name}.",
         "fabric": FABRIC, "mannequin": MANNEQUIN if body is None else body.name, "panels": panels, "seams": seams,
     }  # fmt: skip
     try:
-        notes += _set_eases(draft(parse_spec(data), {}), seams)
+        notes += _set_eases(draft(parse_spec(data), {}), seams, stitches)
     except InputError as fault:
         raise type(fault)(fault.message, key=f"pattern.{fault.key}") from None
     return Imported(parse_spec(data, str(path)), tuple(notes))
@@ -90,6 +90,9 @@ def _file_notes(content: GarmentCodeFile, body: Path | None) -> Iterator[str]:
         yield "parameters were left out; the panels of the file have their values applied"
     if content.properties.units_in_meter is None:
         yield "properties.units_in_meter is missing: centimetres are assumed"
+    curves = [edge.curvature for panel in content.pattern.panels.values() for edge in panel.edges]
+    if "curvature_coords" not in content.properties.model_fields_set and any(curve is not None and not isinstance(curve, CircleFile) for curve in curves):
+        yield "properties.curvature_coords is missing: control points are taken relative to their chords"
     if not content.properties.normalized_edge_loops:
         yield "properties.normalized_edge_loops is missing or false (an old file): loops are taken as they run"
 
@@ -143,12 +146,22 @@ class _Reader:
         self._scale = 1000.0 / (content.properties.units_in_meter or CENTIMETRES)
         self._absolute = content.properties.curvature_coords == "absolute"
         vertices = np.array(self._panel.vertices) * self._scale
+        for k, place in enumerate(self._panel.vertices):
+            self._check_size(place, f"vertices.{k}")
+        self._check_size(self._panel.translation, "translation")
         self._check_loop(vertices)
         # The forerunner of GarmentCode moves the panel's origin to the mean of its vertices, where the file asks for it.
         self._origin = vertices.mean(axis=0) if content.properties.normalize_panel_translation else np.zeros(2)
         self._ends = vertices[[edge.endpoints for edge in self._panel.edges]]
         sewn = {(end.panel, end.edge) for stitch in content.pattern.stitches for end in (stitch.a, stitch.b)}
         self._free = {k for k in range(len(self._panel.edges)) if (old, k) not in sewn}
+
+    def _check_size(self, numbers: Sequence[float], key: str) -> None:
+        for place, number in enumerate(numbers):
+            if abs(length := self._scale * number) > MAX_COORDINATE_MM:
+                message = f"{number:g} is {length:.0f} mm where a metre has {1000.0 / self._scale:g} units (properties.units_in_meter)"
+                allowed = f"allowed is {-MAX_COORDINATE_MM:.0f} to {MAX_COORDINATE_MM:.0f} mm"
+                raise SpecError(f"{message}; {allowed}", key=f"{self._key}.{key}.{place}")
 
     def _check_loop(self, vertices: np.ndarray) -> None:
         edges = self._panel.edges
@@ -242,18 +255,18 @@ def _turn(degrees: float) -> float:
     return -((180.0 - degrees) % 360.0 - 180.0)
 
 
-def _seams(content: GarmentCodeFile, names: dict[str, str]) -> list[dict[str, Any]]:
-    """One seam for each stitch, sorted, its sides sorted too, named by panels and edges."""
+def _seams(content: GarmentCodeFile, names: dict[str, str]) -> tuple[list[dict[str, Any]], list[int]]:
+    """One seam for each stitch, sorted, its sides sorted too, named by panels and edges; and the place of its stitch in the file."""
     rows = []
     for k, stitch in enumerate(content.pattern.stitches):
         for end, place in ((stitch.a, 0), (stitch.b, 1)):
             _check_end(end, content, f"pattern.stitches.{k}.{place}")
         (panel_a, edge_a), (panel_b, edge_b) = sorted((names[end.panel], end.edge) for end in (stitch.a, stitch.b))
-        rows.append((panel_a, edge_a, panel_b, edge_b, stitch.right_wrong))
+        rows.append((panel_a, edge_a, panel_b, edge_b, stitch.right_wrong, k))
     counts = {names[old]: len(panel.edges) for old, panel in content.pattern.panels.items()}
     seams: list[dict[str, Any]] = []
     taken: set[str] = set()
-    for panel_a, edge_a, panel_b, edge_b, right_wrong in sorted(rows):
+    for panel_a, edge_a, panel_b, edge_b, right_wrong, _ in sorted(rows):
         name = _spec_name(f"{panel_a}-{edge_a}-{panel_b}-{edge_b}", taken)
         taken.add(name)
         side_a, side_b = (
@@ -261,7 +274,7 @@ def _seams(content: GarmentCodeFile, names: dict[str, str]) -> list[dict[str, An
         )
         # The end of one edge meets the start of the other: right sides of the fabric together. The other way round a right side lies on a wrong one.
         seams.append({"name": name, "a": side_a, "b": side_b if right_wrong else side_b[::-1]})
-    return seams
+    return seams, [row[-1] for row in sorted(rows)]
 
 
 def _check_end(end: StitchEnd, content: GarmentCodeFile, key: str) -> None:
@@ -272,15 +285,15 @@ def _check_end(end: StitchEnd, content: GarmentCodeFile, key: str) -> None:
         raise SpecError(f"there is no edge {end.edge}; the panel has {len(panel.edges)}, counted from 0", key=f"{key}.edge")
 
 
-def _set_eases(pattern: Pattern, seams: list[dict[str, Any]]) -> Iterator[str]:
+def _set_eases(pattern: Pattern, seams: list[dict[str, Any]], stitches: list[int]) -> Iterator[str]:
     """Write the seam ease that the file means, which is the one that its lengths have, into the seams. Yields a note for each gather."""
-    for data, seam in zip(seams, pattern.seams, strict=True):
+    for data, seam, stitch in zip(seams, pattern.seams, stitches, strict=True):
         a, b = side_length(pattern, seam.a), side_length(pattern, seam.b)
         if abs(a - b) <= _EASE_MM:
             continue
         if max(a, b) > MOST_GATHERED * min(a, b):
             message = f"the edges of seam {data['name']} are {a:.1f} and {b:.1f} mm long; gathers of up to {MOST_GATHERED:g} to 1 are sewn"
-            raise SpecError(message, key="stitches")
+            raise SpecError(message, key=f"stitches.{stitch}")
         data["ease"] = round(a / b - 1.0, 6)
         if max(a, b) > GATHERED * min(a, b):
             yield f"seam {data['name']} gathers: {max(a, b):.1f} mm to {min(a, b):.1f} mm"
