@@ -134,6 +134,19 @@ def test_faults_in_what_is_known_of_a_scan(tmp_path, change, said):
         read_mannequin(written(tmp_path, text.replace(*change)))
 
 
+@pytest.mark.parametrize(
+    ("degrees", "said"),
+    [(45.0, "askew by 4[3-7] degrees"), (-30.0, "askew by (2[89]|3[0-2]) degrees"), (150.0, "askew by (2[89]|3[0-2]) degrees"), (180.0, "toes point to -z")],
+)
+def test_scan_that_is_turned_about_the_vertical_is_refused(tmp_path, degrees, said):
+    known = read_mannequin("woman-88")
+    turn, way = np.radians(degrees), known.vertices
+    turned = np.stack([np.cos(turn) * way[:, 0] + np.sin(turn) * way[:, 2], way[:, 1], np.cos(turn) * way[:, 2] - np.sin(turn) * way[:, 0]], axis=1)
+    trimesh.Trimesh(turned, known.faces, process=False).export(tmp_path / "turned.obj")
+    with pytest.raises(MannequinError, match=said):
+        read_mannequin(tmp_path / "turned.obj")
+
+
 def test_scan_that_is_no_body_is_refused(tmp_path):
     path = tmp_path / "egg.obj"
     trimesh.creation.icosphere(subdivisions=3, radius=0.8).export(path)

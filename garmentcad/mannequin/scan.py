@@ -21,6 +21,9 @@ _UP, _FRONT = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
 # Heights as shares of the stature (the shipped bodies' proportions; estimates for any other body).
 _SHARES = {"knee": 0.272, "crotch": 0.453, "hip": 0.494, "waist": 0.617, "bust": 0.720, "armpit": 0.742, "shoulder": 0.818, "neck_front": 0.833, "nape": 0.863}
 _REACH = 0.18
+# A body that stands askew has girths of slanted planes and arms that are nowhere: 20 degrees leave room for one hand that is held farther forward. Toes lie
+# 0.08 of the stature farther from the ankle than heels do; less than the share here is no sign of toes at the back.
+_ASKEW_DEG, _TOES = 20.0, 0.03
 _SHOULDER_X, _ARMPIT_X, _NECK_X = 0.108, 0.100, 0.060
 _BACK_WIDTH, _CHEST_FRONT = 0.39, 0.37  # of the bust
 
@@ -32,7 +35,7 @@ def mannequin_of_scan(
 
     `estimated` names what rests on proportions: all landmarks but waist and hip, all heights and lengths. Girths are taped in those planes.
     heights_mm: of body lines above the floor, in place of those by proportion; repairs: what was done to the surface.
-    MannequinError when a plane misses the body (not a standing body with two legs and two arms).
+    MannequinError when a plane misses the body (not a standing body with two legs and two arms), or hands or toes tell that it faces elsewhere.
     """
     points = vertices - [0.0, vertices[:, 1].min(), 0.0]
     stature = float(points[:, 1].max())
@@ -51,6 +54,7 @@ def mannequin_of_scan(
         raise MannequinError("the legs are not apart at knee height; a body that stands with its legs apart is wanted (y up, facing +z)")
     if min(points[:, 0].max(), -points[:, 0].min()) < _REACH * stature:
         raise MannequinError("the arms are not away from the body (the hands must reach out 0.18 of the stature to both sides)")
+    _check_facing(points, stature)
     marks = _landmarks(points, faces, heights, stature)
     part = _parts(points, faces, marks)
     counts = np.bincount(part, minlength=len(PART_NAMES))
@@ -71,6 +75,19 @@ def mannequin_of_scan(
         estimated=tuple(key for key in measured if key not in girths and key.removesuffix("_height") not in given)
         + tuple(key for key in marks if not key.startswith(("waist", "hip"))),
     )
+
+
+def _check_facing(points: np.ndarray, stature: float) -> None:
+    """MannequinError for a body that is turned about the vertical, by its hands and its feet."""
+    left, right = points[points[:, 0].argmax()], points[points[:, 0].argmin()]
+    askew = float(np.degrees(np.arctan2(right[2] - left[2], left[0] - right[0])))
+    if abs(askew) > _ASKEW_DEG:
+        raise MannequinError(f"from hand to hand it stands askew by {abs(askew):.0f} degrees; turn it to face +z, its left hand toward +x")
+    soles, ankles = (points[(points[:, 1] >= low * stature) & (points[:, 1] <= high * stature)] for low, high in ((0.0, 0.03), (0.045, 0.07)))
+    if len(soles) > 0 and len(ankles) > 0:
+        ankle = 0.5 * (ankles[:, 2].min() + ankles[:, 2].max())
+        if (ankle - soles[:, 2].min()) - (soles[:, 2].max() - ankle) > _TOES * stature:
+            raise MannequinError("its toes point to -z; turn it to face +z, its left hand toward +x")
 
 
 def _nearest(points: np.ndarray, place: list[float]) -> np.ndarray:
