@@ -248,6 +248,7 @@ def test_ctrl_c_ends_all_tests_with_its_message_and_130(case: GarmentTestCase, d
     ("text", "says"),
     [
         (TEST.replace("ease_mm.waist", "ease_mm.wist"), "report.ease_mm.wist: there is no 'wist' in ease_mm; did you mean 'waist'"),
+        (TEST.replace("report: {", "report: {status: convergd, "), "report.status: no drape ends as 'convergd'; did you mean 'converged'"),
         (TEST.replace("hem.nodes,", "hem.node,"), "baseline.hem.node: there is no 'node' in hem; did you mean 'nodes'"),
         (TEST.replace("ease_mm.waist", "fold_deg.front.crease"), "report.fold_deg.front.crease: there is no 'front' in fold_deg. There are none"),
         (TEST.replace("hem.nodes,", "seam_tension.side.max_n_m,"), "baseline.seam_tension.side.max_n_m: there is no 'side' in seam_tension"),

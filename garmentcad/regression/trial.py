@@ -6,14 +6,17 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import get_args
 
 import numpy as np
 
+from garmentcad.analysis.run_record import Status
 from garmentcad.analysis.surface_distance import Surface, SurfaceDistance, surface_distance
-from garmentcad.errors import InputError, SpecError
+from garmentcad.errors import InputError, SpecError, did_you_mean
 from garmentcad.export.result_folder import Result, write_result_folder
 from garmentcad.io.garment_test_file import GarmentTestCase
-from garmentcad.pattern.garment_test import SHAPE, Expected
+from garmentcad.pattern.garment_test import ANY, SHAPE, Expected
+from garmentcad.pattern.parse import shown
 from garmentcad.regression.assertion import Verdict, came_text, expected_text, holds, judge, means, refuse_unknown_keys
 from garmentcad.regression.baseline import Baseline, Shape, read_baseline, read_shape
 from garmentcad.regression.difference_picture import draw_difference
@@ -68,6 +71,9 @@ def job_of(case: GarmentTestCase) -> Job:
     known = known_values(job.pattern)
     for place, keys in (("report", test.report), ("baseline", [key for key in test.baseline if key != SHAPE])):
         refuse_unknown_keys(keys, known, str(case.file), place)
+    status = test.report.get("status")
+    if isinstance(status, str) and status not in (*get_args(Status), ANY):
+        raise SpecError(f"no drape ends as {shown(status)}{did_you_mean(status, get_args(Status))}", file=str(case.file), key="report.status")
     return job
 
 
