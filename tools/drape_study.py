@@ -47,8 +47,8 @@ NODES_AT_MM = {"nodes": GRID_MM, "nodes-fine": FINE_MM, "nodes-finest": FINEST_M
 AT_MM = FOUR_AT_MM | NODES_AT_MM
 SYNTHETIC_W = 15.0  # mg/cm2
 SYNTHETIC = (
-    (0.0008, 0.025), (0.0015, 0.04), (0.0022, 0.05), (0.003, 0.06), (0.006, 0.1), (0.012, 0.16), (0.025, 0.25), (0.05, 0.4), (0.1, 0.63), (0.2, 1.0),
-    (0.28, 1.25), (0.4, 1.6), (0.8, 2.5),
+    (0.0008, 0.025), (0.0015, 0.04), (0.0018, 0.045), (0.0022, 0.05), (0.003, 0.06), (0.006, 0.1), (0.012, 0.16), (0.025, 0.25), (0.05, 0.4), (0.1, 0.63),
+    (0.2, 1.0), (0.28, 1.25), (0.4, 1.6), (0.8, 2.5),
 )  # fmt: skip  # B, G: G as B^(2/3)
 SYNTHETIC_SHEETS = {f"synthetic B {bending:g} G {shear:g}": (bending, shear) for bending, shear in SYNTHETIC}
 COMPARED = (
