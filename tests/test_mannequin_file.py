@@ -147,6 +147,18 @@ def test_scan_that_is_turned_about_the_vertical_is_refused(tmp_path, degrees, sa
         read_mannequin(tmp_path / "turned.obj")
 
 
+@pytest.mark.parametrize(("degrees", "said"), [(4.0, False), (10.0, True)])
+def test_of_a_scan_that_stands_a_little_askew_is_said_where_girths_suffer(tmp_path, degrees, said):
+    known = read_mannequin("woman-88")
+    turned = trimesh.Trimesh(known.vertices, known.faces, process=False)
+    straight = turned.export(tmp_path / "straight.obj") and read_mannequin(tmp_path / "straight.obj")
+    turned.apply_transform(trimesh.transformations.rotation_matrix(np.radians(degrees), [0.0, 1.0, 0.0]))
+    turned.export(tmp_path / "turned.obj")
+    body = read_mannequin(tmp_path / "turned.obj")
+    assert any("askew" in note for note in body.repairs) == said
+    assert (abs(body.measurements_mm["bust"] - straight.measurements_mm["bust"]) > 5.0) == said
+
+
 def test_scan_that_is_no_body_is_refused(tmp_path):
     path = tmp_path / "egg.obj"
     trimesh.creation.icosphere(subdivisions=3, radius=0.8).export(path)

@@ -20,7 +20,7 @@ from garmentcad.check.wearing import check_wearing
 from garmentcad.cloth.lattice import build_cloth, check_grid
 from garmentcad.cloth.materials import lay_out_sheets, row_of, sheet_of
 from garmentcad.errors import InputError, SpecError
-from garmentcad.fabric.missing import Completed, complete
+from garmentcad.fabric.missing import Completed
 from garmentcad.fabric.sheet import KesSheet
 from garmentcad.io.arguments import as_number, as_values, refuse_no_garment, refuse_unnamed
 from garmentcad.io.fabric_file import load_fabric
@@ -59,7 +59,7 @@ def examine(
         read = spec if isinstance(spec, GarmentSpec) else read_worn(spec)
         if isinstance(read, GarmentSpec):
             garment = with_values(read, values)
-            other = None if fabric is None else _Named(partial(_load_given, fabric), None, "--fabric")
+            other = None if fabric is None else _Named(partial(load_fabric, fabric), None, "--fabric")
             return worst_first(_examine_garment(garment, _read_body(garment, mannequin), grid_mm, other)[1])
         if fabric is not None:
             raise InputError("an outfit has a fabric for each garment; name them in its file", key="--fabric")
@@ -82,11 +82,6 @@ class _Named:
 def _load_named(name: str, spec: GarmentSpec | OutfitSpec) -> Completed:
     """The fabric that a spec names."""
     return load_fabric(resolve_reference(name, "fabrics", spec_folder(spec)))
-
-
-def _load_given(fabric: str | Path | KesSheet) -> Completed:
-    """A fabric that was given as a name, a file or a sheet."""
-    return complete(fabric) if isinstance(fabric, KesSheet) else load_fabric(fabric)
 
 
 def _read_body(spec: GarmentSpec | OutfitSpec, mannequin: str | Path | Mannequin | None) -> Mannequin:

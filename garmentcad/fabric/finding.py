@@ -17,5 +17,10 @@ class Finding(NamedTuple):
     key: str
     message: str
 
+    @property
+    def said(self) -> str:
+        """Place and message, where the severity goes without saying."""
+        return f"{self.key}: {self.message}" if self.key else self.message
+
     def __str__(self) -> str:
-        return f"{self.severity}: {self.key}: {self.message}" if self.key else f"{self.severity}: {self.message}"
+        return f"{self.severity}: {self.said}"

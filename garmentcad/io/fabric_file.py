@@ -41,9 +41,11 @@ def read_fabric(name_or_file: str | Path) -> KesSheet:
     return _sheet(fabric_path(name_or_file))[0]
 
 
-def load_fabric(name_or_file: str | Path) -> Completed:
-    """The same sheet, checked against itself and completed by the rules, with all findings."""
-    path = fabric_path(name_or_file)
+def load_fabric(fabric: str | Path | KesSheet) -> Completed:
+    """The same sheet, or one that was made, checked against itself and completed by the rules, with all findings."""
+    if isinstance(fabric, KesSheet):
+        return complete(fabric)
+    path = fabric_path(fabric)
     sheet, seen = _sheet(path)
     try:
         done = complete(sheet)

@@ -263,10 +263,11 @@ def _seams(content: GarmentCodeFile, names: dict[str, str]) -> tuple[list[dict[s
             _check_end(end, content, f"pattern.stitches.{k}.{place}")
         (panel_a, edge_a), (panel_b, edge_b) = sorted((names[end.panel], end.edge) for end in (stitch.a, stitch.b))
         rows.append((panel_a, edge_a, panel_b, edge_b, stitch.right_wrong, k))
+    rows.sort()
     counts = {names[old]: len(panel.edges) for old, panel in content.pattern.panels.items()}
     seams: list[dict[str, Any]] = []
     taken: set[str] = set()
-    for panel_a, edge_a, panel_b, edge_b, right_wrong, _ in sorted(rows):
+    for panel_a, edge_a, panel_b, edge_b, right_wrong, _ in rows:
         name = _spec_name(f"{panel_a}-{edge_a}-{panel_b}-{edge_b}", taken)
         taken.add(name)
         side_a, side_b = (
@@ -274,7 +275,7 @@ def _seams(content: GarmentCodeFile, names: dict[str, str]) -> tuple[list[dict[s
         )
         # The end of one edge meets the start of the other: right sides of the fabric together. The other way round a right side lies on a wrong one.
         seams.append({"name": name, "a": side_a, "b": side_b if right_wrong else side_b[::-1]})
-    return seams, [row[-1] for row in sorted(rows)]
+    return seams, [row[-1] for row in rows]
 
 
 def _check_end(end: StitchEnd, content: GarmentCodeFile, key: str) -> None:

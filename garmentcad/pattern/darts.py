@@ -24,10 +24,11 @@ def find_edge(edges: Sequence[Edge], name: str, key: str) -> int:
 def place_fraction(place: Place, edge: Edge, scope: Scope, key: str) -> float:
     """Arc-length fraction of a place on an edge in the direction as drawn."""
     if not isinstance(place, Distance):
-        fraction = scope.number(place, key)
-        if not 0.0 <= fraction <= 1.0:  # a length in mm, as a rule
-            raise SpecError(f"came {fraction:g}; allowed is 0 to 1, a fraction of the edge; a distance is {{mm: {fraction:g}, from: {edge.start}}}", key=key)
-        return fraction
+        try:
+            return scope.number(place, key, 0.0, 1.0)
+        except SpecError as fault:  # a length in mm, as a rule
+            said = place if isinstance(place, str) else f"{place:g}"
+            raise SpecError(f"{fault.message}, a fraction of the edge; a distance is {{mm: {said}, from: {edge.start}}}", key=key) from None
     if place.start not in (edge.start, edge.end):
         raise SpecError(f"edge {edge.name!r} runs from {edge.start!r} to {edge.end!r}; came {place.start!r}", key=f"{key}.from")
     length = edge.curve.length

@@ -32,10 +32,11 @@ def draft(spec: GarmentSpec, measurements_mm: Mapping[str, float], values: Mappi
     """
     if not isinstance(spec, GarmentSpec):
         raise InputError(f"a GarmentSpec is wanted, as read_spec reads it, came {shown(spec)}", key="spec")
+    values = {} if values is None else values
     for key, named in (("measurements_mm", measurements_mm), ("values", values)):
-        if not isinstance(named, Mapping) and not (named is None and key == "values"):
+        if not isinstance(named, Mapping):
             raise InputError(f"a mapping of names to numbers is wanted, came {shown(named)}", key=key)
-    pattern, errors = draft_errors(with_values(spec, values) if values else spec, measurements_mm)
+    pattern, errors = draft_errors(with_values(spec, values), measurements_mm)
     if pattern is None:
         raise type(errors[0])(errors[0].message, file=errors[0].file, key=errors[0].key, others=errors[1:])
     return pattern

@@ -32,11 +32,16 @@ def evaluate(expression: float | str, names: Mapping[str, float], key: str | Non
     ExpressionError: bad grammar, an unknown name, division by zero, a value outside a function's domain, a result that is not finite.
     """
     try:
-        value = _value(_known(_parse(expression), names, later), names) if isinstance(expression, str) else float(expression)
+        value = _value(_parse(expression), names) if isinstance(expression, str) else float(expression)
     except ZeroDivisionError:
         raise ExpressionError(f"{expression!r} divides by zero", key=key) from None
     except OverflowError:
         raise ExpressionError(f"{expression!r} is too large; results must be finite", key=key) from None
+    except _UnknownName as unknown:
+        # Of a name that gets its value later no other one is proposed: the order is wrong, or it goes in a circle.
+        order = " up to here: parameters get their values first, then values, each from those above it"
+        said = order if unknown.name in later else did_you_mean(unknown.name, names)
+        raise ExpressionError(f"{str(expression)[:100]!r}: unknown name {unknown.name!r}{said}", key=key) from None
     except _Refusal as refusal:
         raise ExpressionError(f"{str(expression)[:100]!r}: {refusal}", key=key) from None
     if not math.isfinite(value):
@@ -55,6 +60,11 @@ def check_grammar(text: str) -> str | None:
 
 class _Refusal(Exception):
     pass
+
+
+class _UnknownName(Exception):
+    def __init__(self, name: str) -> None:
+        self.name = name
 
 
 @lru_cache(maxsize=4096)
@@ -99,21 +109,13 @@ def _check(node: ast.expr, depth: int) -> None:
             raise _Refusal(f"{ast.unparse(node)[:60]!r} is not allowed; {_GRAMMAR}")
 
 
-def _known(body: ast.expr, names: Mapping[str, float], later: Collection[str]) -> ast.expr:
-    """The expression itself. Where a name gets its value later no other one is proposed: the order is wrong, or it goes in a circle."""
-    for node in ast.walk(body):
-        if isinstance(node, ast.Name) and node.id in later and node.id not in names:
-            raise _Refusal(f"unknown name {node.id!r} up to here: parameters get their values first, then values, each from those above it")
-    return body
-
-
 def _value(node: ast.expr, names: Mapping[str, float]) -> float:
     match node:
         case ast.Constant(value=value):
             return float(value)  # type: ignore[arg-type]
         case ast.Name(id=name):
             if name not in names:
-                raise _Refusal(f"unknown name {name!r}{did_you_mean(name, names)}")
+                raise _UnknownName(name)
             return names[name]
         case ast.UnaryOp(op=op, operand=operand):
             value = _value(operand, names)

@@ -16,7 +16,7 @@ from garmentcad import __version__
 from garmentcad.analysis.run_record import Mode
 from garmentcad.cloth.lattice import check_grid
 from garmentcad.errors import FileError, InputError
-from garmentcad.fabric.missing import Completed, complete
+from garmentcad.fabric.missing import Completed
 from garmentcad.fabric.sheet import KesSheet, sheet_sha256
 from garmentcad.io.arguments import as_number, as_values, refuse_no_garment, refuse_unnamed
 from garmentcad.io.fabric_file import load_fabric
@@ -109,10 +109,7 @@ def make_job(
         body = _body(model, mannequin)
         pattern = draft(model, body.measurements_mm)
         fabrics = {name: load_fabric(_referred(model, name, "fabrics", key)) for name, key in sorted(named_fabrics(pattern).items())}
-        if isinstance(fabric, KesSheet):
-            fabrics[pattern.fabric] = complete(fabric)
-        else:
-            fabrics[pattern.fabric] = load_fabric(fabric if fabric is not None else _referred(model, pattern.fabric, "fabrics", "fabric"))
+        fabrics[pattern.fabric] = load_fabric(fabric if fabric is not None else _referred(model, pattern.fabric, "fabrics", "fabric"))
         outfit: GarmentSpec | OutfitSpec = model
         worn: tuple[GarmentSpec, ...] = ()
     else:

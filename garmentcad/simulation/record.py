@@ -154,8 +154,7 @@ def _fallen(positions: np.ndarray, body: Mannequin) -> list[str]:
 def _of_sheets(job: Job) -> list[str]:
     """What was noticed in the sheets, by the names that they give themselves: a pattern may know them by others (a fabric that is replaced, a file)."""
     sheets = job.fabrics.values()
-    noticed = ((completed.sheet.name, finding) for completed in sheets for finding in completed.findings if finding.severity != "info")
-    told = (f"{name}: {str(finding).removeprefix(f'{finding.severity}: ')}" for name, finding in noticed)
+    told = (f"{completed.sheet.name}: {finding.said}" for completed in sheets for finding in completed.findings if finding.severity != "info")
     return list(dict.fromkeys(told))  # one sheet may serve two garments
 
 
