@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from garmentcad.check.finding import Finding
+from garmentcad.cloth.gathers import EASED
 from garmentcad.fabric.material import MaterialRow, material_row
 from garmentcad.fabric.sheet import KesSheet
 from garmentcad.pattern.pattern import Pattern
 from garmentcad.pattern.runs import side_length
 from garmentcad.units import GRAVITY_M_S2, M_TO_MM
 
-EASED = 1.15  # up to here cloth is eased in, not gathered
 _THICKNESS_MM = 0.6
 _BENDING_MM = 20.0
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection
 from dataclasses import replace
 from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -12,6 +13,7 @@ from scipy.sparse.csgraph import connected_components
 
 from garmentcad.arrays import floats, frozen, indices
 from garmentcad.cloth.cloth import Cloth, Hinges
+from garmentcad.cloth.gathers import gathered
 from garmentcad.cloth.hinges import made_hinges
 from garmentcad.errors import SpecError
 from garmentcad.units import M_TO_MM
@@ -31,15 +33,17 @@ def welded_particles(cloth: Cloth) -> np.ndarray:
 def weld(cloth: Cloth) -> tuple[Cloth, np.ndarray]:
     """The cloth with every stitch closed, and the map (P,) int32 from old particles to new ones.
 
-    Cloth without stitches is returned itself. Masses add up, elements keep their rest values, and each stretch of sew line between two border triangles becomes
-    a hinge. Raises SpecError when two corners of one element would become one particle: the panel is so narrow there that its mesh joins both sides of the
-    seam.
+    Cloth without stitches is returned itself. Masses add up, elements keep their rest values but where cloth is gathered (gathers.py), and each stretch of sew
+    line between two border triangles becomes a hinge. Raises SpecError when two corners of one element would become one particle: the panel is so narrow there
+    that its mesh joins both sides of the seam.
     """
     particle = welded_particles(cloth)
     if len(cloth.stitches) == 0:
         return cloth, particle
     _refuse_collapse(cloth, particle)
-    made = _seam_hinges(cloth, particle)
+    sewn = _sewn_edges(cloth, particle)
+    made = made_hinges(cloth.border, sewn.ends, sewn.row, sewn.corner, cloth.seam_fold[sewn.seam], cloth.seam_bend_factor[sewn.seam])
+    made = made._replace(corners=indices(particle[made.corners]))
     old = cloth.hinges._replace(corners=particle[cloth.hinges.corners])
     bends = cloth.bends
     welded = replace(
@@ -48,7 +52,7 @@ def weld(cloth: Cloth) -> tuple[Cloth, np.ndarray]:
         masses=frozen(floats(np.bincount(particle, weights=cloth.masses))),
         links=cloth.links._replace(ends=frozen(particle[cloth.links.ends])),
         cells=cloth.cells._replace(corners=frozen(particle[cloth.cells.corners])),
-        border=cloth.border._replace(corners=frozen(particle[cloth.border.corners])),
+        border=gathered(cloth.border, sewn.row, sewn.corner)._replace(corners=frozen(particle[cloth.border.corners])),
         bends=bends._replace(center=frozen(particle[bends.center]), arm_a=frozen(particle[bends.arm_a]), arm_b=frozen(particle[bends.arm_b])),
         spans=cloth.spans._replace(corners=frozen(particle[cloth.spans.corners])),
         hinges=Hinges(*(frozen(np.concatenate(pair)) for pair in zip(old, made))),
@@ -79,11 +83,16 @@ def _refuse_collapse(cloth: Cloth, particle: np.ndarray) -> None:
     raise SpecError(f"{text}; the panel is too narrow there for a grid of {cloth.spacing * M_TO_MM:g} mm: use a smaller grid", key=f"panels.{panel}")
 
 
-def _seam_hinges(cloth: Cloth, particle: np.ndarray) -> Hinges:
-    """Hinges between border triangles whose contour edges become one.
+class _SewnEdges(NamedTuple):
+    """Pairs of border triangles whose contour edges become one, side a first."""
 
-    The edge runs as side a's outline does, so that the wing of side a lies to its left seen on the right side of the fabric.
-    """
+    ends: np.ndarray  # (H,2) particles of side a's edge, in the direction of its outline: the wing of side a lies to its left on the right side of the fabric
+    row: np.ndarray  # (H,2) triangles
+    corner: np.ndarray  # (H,2) of each triangle that does not lie on the edge
+    seam: np.ndarray  # (H,)
+
+
+def _sewn_edges(cloth: Cloth, particle: np.ndarray) -> _SewnEdges:
     border = cloth.border
     ends = np.concatenate([border.corners[:, [k, (k + 1) % 3]] for k in range(3)])
     triangle = np.tile(np.arange(len(border.corners)), 3)
@@ -100,9 +109,7 @@ def _seam_hinges(cloth: Cloth, particle: np.ndarray) -> Hinges:
     pairs, seam = np.where(first_is_a[:, None], pairs, pairs[:, ::-1])[seam >= 0], seam[seam >= 0]
     order = np.lexsort((ends[pairs[:, 0], 0], seam)) if len(pairs) else np.arange(0)
     pairs, seam = pairs[order], seam[order]
-    rows, corner = triangle[pairs], wing[pairs]
-    made = made_hinges(border, ends[pairs[:, 0]], rows, corner, cloth.seam_fold[seam], cloth.seam_bend_factor[seam])
-    return made._replace(corners=indices(particle[made.corners]))
+    return _SewnEdges(ends[pairs[:, 0]], triangle[pairs], wing[pairs], seam)
 
 
 def _edge_groups(ends: np.ndarray) -> np.ndarray:

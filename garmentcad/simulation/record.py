@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import platform
+from dataclasses import replace
 from importlib.metadata import version
 
 import numba
@@ -186,7 +187,8 @@ def _bands(outcome: Outcome) -> dict[str, dict[str, float]]:
 
 def _seams(outcome: Outcome) -> dict[str, SeamTension | None]:
     """Seam tensions: what each panel's own elements do to its vertices, every vertex where its particle is."""
-    flat = outcome.flat
+    # unsewn, but with the rest lengths of its gathers
+    flat = replace(outcome.flat, border=outcome.cloth.border._replace(corners=outcome.flat.border.corners))
     positions = outcome.state.positions[outcome.cloth.vertex_particle]
     apart = ForceAssembly(internal_forces(flat, outcome.materials, fold_angles=outcome.state.fold_angles), flat.particle_count, [ForceGravity(flat.masses)])
     forces = np.zeros_like(positions)
