@@ -16,7 +16,6 @@ from garmentcad.io.yaml_file import MAX_BYTES, read_bytes
 
 MAX_ROWS = 5_000
 PREAMBLE_ROWS = 30  # lines of letterhead that may stand above the header
-BLANK = {"", "-", "–", "—", "n/a", "na", "nd", "n.d."}
 
 _NUMBER = re.compile(r"[-+]?(\d+([.,]\d*)?|[.,]\d+)([eE][-+]?\d+)?")
 
@@ -64,10 +63,8 @@ def row_cells(row: Row, header: Row, file: str) -> list[str]:
     return [cell.strip() for cell in cells[:width]] + [""] * (width - len(cells))
 
 
-def cell_number(text: str, factor: float, percent: bool, file: str, place: str, key: str) -> float | None:
-    """Number in a cell times a factor, None for a blank. FabricError (with place and the key it came for) for anything else."""
-    if text.lower() in BLANK:
-        return None
+def cell_number(text: str, factor: float, percent: bool, file: str, place: str, key: str) -> float:
+    """Number in a cell times a factor. FabricError (with place and the key it came for) for anything else; what is a blank the callers know."""
     bare = text.removesuffix("%").rstrip() if percent else text
     if not _NUMBER.fullmatch(bare):
         allowed = "a number with a decimal point or comma" + (", with or without %," if percent else "")

@@ -15,13 +15,14 @@ from garmentcad.errors import FabricError, FileError
 from garmentcad.fabric.finding import Finding
 from garmentcad.fabric.quantity import QUANTITIES, Quantity
 from garmentcad.fabric.sheet import KesSheet, sheet_from
-from garmentcad.io.csv_table import BLANK, CsvTable, Row, cell_number, read_table, row_cells
+from garmentcad.io.csv_table import CsvTable, Row, cell_number, read_table, row_cells
 from garmentcad.io.kes_header import Label, label_words, read_label, unit_fault
 
 _TEXTS = {"name": "name", "fabric": "name", "fabric name": "name", "sample": "name", "source": "source", "fibre": "fibre", "fiber": "fibre"}
 _TEXTS |= {"composition": "fibre", "weave": "weave", "description": "description"}
 _PARAMETER = {"parameter", "property", "quantity", "symbol", "characteristic", "characteristic value"}
 _WAYS = {"warp": "warp", "weft": "weft", "mean": "mean", "average": "mean", "bias": "bias"}
+_BLANK = {"", "-", "–", "—", "n/a", "na", "nd", "n.d."}  # what laboratories print for a value that was not measured
 WANTED = "`name;W;B warp;B weft` (one fabric a row) or `property;warp;weft` (one value a row)"
 
 
@@ -100,6 +101,8 @@ class _Reader:
 
     def number(self, text: str, label: Label, line: int, column: str) -> float | None:
         """Number in a cell, in the testers' unit; None for a blank."""
+        if text.lower() in _BLANK:
+            return None
         percent = self.quantities[label.key.partition(".")[0]].unit == "%"
         return cell_number(text, label.factor, percent, self.file, f"line {line}, {column}", label.key)
 
@@ -172,7 +175,7 @@ class _ByValue(_Reader):
             first.setdefault(fabric, line)
             known = values.setdefault(fabric, {})
             about = texts.setdefault(fabric, {"name": fabric})
-            filled = [role for role in numbered if entry[role].lower() not in BLANK]
+            filled = [role for role in numbered if entry[role].lower() not in _BLANK]
             text = _TEXTS.get(_plain(entry["label"]))
             if text:
                 about[text] = entry[filled[0]] if filled else ""

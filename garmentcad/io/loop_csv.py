@@ -127,12 +127,14 @@ def _column(words: _Words, across: _Column | None, file: str, where: str) -> _Co
 
 
 def _samples(rows: list[list[str]], table: CsvTable, places: tuple[int, int], columns: tuple[_Column, _Column], file: str) -> tuple[np.ndarray, np.ndarray]:
-    """The two columns of a loop, up to the first row where both are blank."""
+    """The two columns of a loop, up to the first row where both are empty. A word in a cell (`n/a`, `-`) is refused: it may stand for a sample that is lost."""
     found: list[tuple[float, float]] = []
     ended = False
     for (line, _), cells in zip(table.rows, rows):
         x, y = (
             cell_number(cells[place], column.factor, False, file, f"line {line}, column {table.header[1][place].strip()[:60]!r}", f"the {column.test} loop")
+            if cells[place]
+            else None
             for place, column in zip(places, columns)
         )
         if x is None and y is None:
