@@ -9,9 +9,11 @@ from typing import Any
 from garmentcad.errors import MannequinError, did_you_mean
 from garmentcad.io.shipped import shipped_file
 from garmentcad.io.yaml_file import read_yaml
-from garmentcad.mannequin.motion import KeyFrame, Pose
+from garmentcad.mannequin.motion import KeyFrame, Pose, allowed
+from garmentcad.pattern.parse import shown
 
 MAX_FRAMES, MAX_TIME_S = 200, 60.0
+_TIME = f"more than 0 and at most {MAX_TIME_S:g} s are allowed"
 _KEYS = {"schema", "description", "frames"}
 _BOTH = {"arms": ("arm_left", "arm_right"), "hips": ("hip_left", "hip_right"), "knees": ("knee_left", "knee_right")}
 _VALUES = {name: (name,) for names in _BOTH.values() for name in names} | _BOTH | {"turn": ("turn",), "ahead": ("ahead_mm",)}
@@ -37,8 +39,7 @@ def read_poses(name_or_path: str | Path) -> list[KeyFrame]:
     for number, frame in enumerate(data["frames"]):
         key = f"frames.{number}"
         try:
-            time, changes = _changes(frame)
-            pose = replace(pose, **changes)
+            time, pose = _changed(pose, frame)
         except MannequinError as fault:
             raise MannequinError(fault.message, file=text, key=f"{key}.{fault.key}" if fault.key else key) from None
         if time <= (found[-1].time_s if found else 0.0):
@@ -47,16 +48,25 @@ def read_poses(name_or_path: str | Path) -> list[KeyFrame]:
     return found
 
 
-def _changes(frame: Any) -> tuple[float, dict[str, float]]:
+def _changed(pose: Pose, frame: Any) -> tuple[float, Pose]:
+    """Time of a frame, and the pose that it makes of the one before it."""
     if not isinstance(frame, dict) or "time" not in frame:
         raise MannequinError("a frame is a mapping with `time` in s and what changes")
-    values: dict[str, float] = {}
+    by: dict[str, str] = {}
     for key, value in frame.items():
         if key != "time" and key not in _VALUES:
             raise MannequinError(f"{key!r} is not a part of a pose{did_you_mean(str(key), {'time', *_VALUES})}")
+        parts = _VALUES.get(key, ())
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise MannequinError(f"{value!r} is not a number", key=str(key))
-        values |= dict.fromkeys(_VALUES.get(key, ()), float(value))
+            raise MannequinError(f"{shown(value)} came; {allowed(parts[0]) if parts else _TIME}", key=key)
+        for part in parts:
+            if part in by:  # the order of keys would choose
+                raise MannequinError(f"{part} is given by `{by[part]}`, too; once in a frame is allowed", key=key)
+            by[part] = key
+        try:
+            pose = replace(pose, **dict.fromkeys(parts, float(value)))
+        except MannequinError as fault:  # it names hip_left where the file says hips
+            raise MannequinError(fault.message, key=key) from None
     if not 0.0 < frame["time"] <= MAX_TIME_S:
-        raise MannequinError(f"{frame['time']:g} s; more than 0 and at most {MAX_TIME_S:g} s are allowed", key="time")
-    return float(frame["time"]), values
+        raise MannequinError(f"{frame['time']:g} came; {_TIME}", key="time")
+    return float(frame["time"]), pose

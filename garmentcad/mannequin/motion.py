@@ -44,7 +44,13 @@ class Pose:
             value = getattr(self, field.name)
             low, high = RANGES[field.name.partition("_")[0]]
             if value is not None and not low <= value <= high:
-                raise MannequinError(f"{value:g} is refused; allowed: {low:g} to {high:g}", key=field.name)
+                raise MannequinError(f"{value:g} came; {allowed(field.name)}", key=field.name)
+
+
+def allowed(name: str) -> str:
+    """What a field of a pose may be, for messages."""
+    low, high = RANGES[name.partition("_")[0]]
+    return f"a number from {low:g} to {high:g} {'mm' if name == 'ahead_mm' else 'degrees'} is allowed"
 
 
 class KeyFrame(NamedTuple):
