@@ -69,7 +69,7 @@ class CheckpointError(InputError):
 def did_you_mean(word: str, allowed: Iterable[str]) -> str:
     """The end of a message about an unknown name: `; did you mean 'x'?` where one is close, then the names that are allowed (at most 40)."""
     names = sorted(set(allowed))  # an edge that is cut has its name in pieces
-    near = get_close_matches(word[:100], names, n=1)
+    near = [name for name in names if name.lower() == word.lower()] or get_close_matches(word[:100], names, n=1)
     if size := _SIZE.fullmatch(word[:100]):  # of sizes the next one, not the one that is spelt alike
         others = [(abs(int(other[2]) - int(size[2])), name) for name in names if (other := _SIZE.fullmatch(name)) and other[1] == size[1]]
         near = [min(others)[1]] if others else near

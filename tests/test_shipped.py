@@ -54,6 +54,11 @@ def test_did_you_mean(wheel: Path) -> None:
         shipped_file("patterns", "skrit")
 
 
+def test_small_and_capital_letters_mean_the_same_name() -> None:
+    assert did_you_mean("2hg", ["2HB", "2HG", "2HG5"]).startswith("; did you mean '2HG'?")
+    assert did_you_mean("MIU", ["mmd", "miu"]).startswith("; did you mean 'miu'?")
+
+
 def test_of_sizes_the_next_one_is_meant() -> None:
     sizes = [f"woman-{size}" for size in range(76, 124, 4)]
     assert did_you_mean("yes", ["top", "hem", "top"]) == ". Allowed: hem, top"

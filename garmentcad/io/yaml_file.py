@@ -71,12 +71,17 @@ def parse_yaml(text: str, file: str) -> Any:
         for event in yaml.parse(text, Loader=_Events):
             builder.take(event)
     except yaml.MarkedYAMLError as fault:
-        mark = fault.problem_mark or fault.context_mark
         what = " ".join(part for part in (fault.context, fault.problem) if part)
+        no_colon = "scanning a simple key" in what  # noticed on the line behind it
+        mark = fault.context_mark if no_colon else fault.problem_mark or fault.context_mark
         said = _TOO_DEEP if "maximum nesting depth" in what else f"not valid YAML: {what}"  # newer libyaml counts levels itself, and ahead of its events
         marked = "".join(text.splitlines()[mark.line : mark.line + 1]) if mark else ""
         if "\t" in marked[: len(marked) - len(marked.lstrip())]:
             said = "not valid YAML: a tab indents this line; YAML is indented by spaces"
+        elif no_colon:
+            said = f"not valid YAML: {marked.strip()[:60]!r} is no `key: value`; a colon and a space are wanted between them"
+        elif "sequence entries are not allowed" in what:
+            said = "not valid YAML: a dash begins a list, on a line of its own; a value that is not known is left out"
         raise FileError(f"line {mark.line + 1 if mark else '?'}: {said}", file=file) from None
     except yaml.YAMLError as fault:  # what else the parser of libyaml may say has no line
         raise FileError(f"not valid YAML: {fault}", file=file) from None
@@ -136,7 +141,7 @@ class _Builder:
             level.value.append(value)
         elif level.wants_key():
             if not isinstance(value, str):
-                raise self.refuse(event, f"key {value!r} is not text; write it in quotes")
+                raise self.refuse(event, f"key {value!r} is not text; write it in quotes{level.point(event, value)}")
             if value in level.lines:
                 raise self.refuse(event, f"key {value!r} stands twice, first on line {level.lines[value]}; each key may stand once")
             level.lines[value] = event.start_mark.line + 1
@@ -179,6 +184,12 @@ class _Open:
 
     def wants_key(self) -> bool:
         return isinstance(self.value, dict) and self.key is None
+
+    def point(self, event: Any, value: Any) -> str:
+        """The end of a refused key where it may be the end of a number with a decimal comma: `{warp: 0,09}` is warp 0 and a key 09."""
+        key, last = next(reversed(self.value.items()), ("", None))
+        beside = type(value) is type(last) is int and self.lines[key] == event.start_mark.line + 1
+        return f", or with a decimal point where it ends a number: {last}.{event.value}" if beside else ""
 
     def label(self) -> str:
         return str(len(self.value)) if isinstance(self.value, list) else self.key or ""
