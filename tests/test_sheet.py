@@ -39,6 +39,29 @@ REFUSED = [
     pytest.param({"name": 7}, "name", "7 came", id="name"),
     pytest.param({"law": {"sheet_sha256": "0" * 64, "values": {"B": 0.1}}}, "law.values.B", "'B'", id="law without direction"),
     pytest.param({"law": {"sheet_sha256": "0" * 64, "values": {"G.warp": float("nan")}}}, "law.values.G.warp", "nan", id="law nan"),
+    pytest.param({"T0": {"warp": 0.3}}, "T0.warp", "unknown key 'warp'; T0 has no directions, it is one number in mm. Allowed: estimate", id="direction of T0"),
+    pytest.param({"2hg": 0.9}, "2hg", "did you mean '2HG'?", id="small letters"),
+    pytest.param({"HG": 0.9}, "HG", "did you mean '2HG'?", id="name inside the program"),
+    pytest.param({"W": "11,8"}, "W.value", "'11,8' came; a finite number in mg/cm2 is allowed; numbers have a decimal point", id="decimal comma"),
+    pytest.param({"B": "9 uN.m/m"}, "B", "a finite number in gf.cm2/cm (the mean) or a mapping with the keys warp, weft, bias, mean is allowed", id="unit"),
+    pytest.param({"EMT": {"warp": "5 %"}}, "EMT.warp.value", "in % is allowed; numbers have a decimal point, and neither unit nor quotes", id="percent sign"),
+    pytest.param({"MIU": [0.1, 0.2]}, "MIU", "a finite number (the mean) or a mapping", id="list for directions"),
+    pytest.param({"B": {"value": 9, "unit": "uN.m"}}, "B.mean.unit", "unknown key 'unit'; B is always in gf.cm2/cm", id="key unit"),
+    pytest.param({"T0 [mm]": 0.3}, "T0 [mm]", "; the key is T0 alone, its number always in mm. Allowed", id="unit in the key"),
+    pytest.param({"emt_warp": 3}, "emt_warp", "the key is EMT alone, its number always in %, directions below it", id="direction in the key"),
+    pytest.param({"warp": {"B": 0.1}}, "warp", "directions stand below a value", id="direction first"),
+    pytest.param({"B": {"value": 0.1, "warp": 0.2}}, "B.value", "Allowed: bias, mean, warp, weft", id="value beside directions"),
+    pytest.param({"shear_window_deg": 3}, "shear_window_deg", "3 came; a rising pair from 0 to 8 is allowed, such as [0.5, 2.5]", id="window of one"),
+    pytest.param({"shear_window_deg": [0, 5, 2, 5]}, "shear_window_deg", "a rising pair", id="window with decimal commas"),
+    pytest.param({"shear_window_deg": [True, 2]}, "shear_window_deg.0", "True came; a rising pair", id="yes in a window"),
+    pytest.param({"shear_window_deg": ["0.5", 2]}, "shear_window_deg.0", "'0.5' came; a rising pair", id="window in quotes"),
+    pytest.param({"sources": "lab"}, "sources", "'lab' came; a mapping of short names to citations is allowed", id="one source"),
+    pytest.param({"W": {"value": 12, "source": 2024}}, "W.source", "2024 came; a text is allowed, a number in quotes", id="year for a source"),
+    pytest.param({"source": ""}, "source", "a text that is not empty", id="empty source"),
+    pytest.param({"description": None}, "description", "nothing came; a text", id="no text"),
+    pytest.param({"law": {"sheet_sha256": "0" * 64, "values": {"b.warp": 1}}}, "law.values.b.warp", "did you mean 'B.warp'?", id="law in small letters"),
+    pytest.param({"law": {"sheet_sha256": "0" * 64, "values": {"B.warp": True}}}, "law.values.B.warp", "True came; a finite number", id="law yes"),
+    pytest.param({"law": {"sheet_sha256": "0" * 64, "values": [1]}}, "law.values", "a mapping of keys of the sheet to numbers", id="law list"),
     pytest.param({"law": {}}, "law.sheet_sha256", "missing", id="law without hash"),
 ]
 
@@ -67,6 +90,10 @@ def test_a_number_stands_for_the_mean_and_takes_the_source_of_the_sheet() -> Non
         sheet.number("G.warp")
     with pytest.raises(FabricError, match="needs a direction"):
         sheet.number("G")
+
+
+def test_a_value_that_was_left_blank_is_a_gap() -> None:
+    assert sheet_from({**BASE, "W": 12, "T0": None, "B": None, "EMT": {"warp": None}}) == sheet_from({**BASE, "W": 12})
 
 
 def test_short_source_names_are_written_out() -> None:

@@ -8,20 +8,23 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 from collections.abc import Mapping
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from garmentcad.errors import FabricError, did_you_mean
-from garmentcad.fabric.quantity import KEYS, quantity_of
+from garmentcad.fabric.quantity import BENDING_WAYS, KEYS, QUANTITIES, quantity_of
 
 SHEAR_WINDOW_DEG = (0.5, 2.5)
 SHEARED_DEG = 8.0  # how far KES-FB1 shears
+_PAIR = f"a rising pair from 0 to {SHEARED_DEG:g} is allowed, such as {list(SHEAR_WINDOW_DEG)}"
+_Number = Annotated[float, Field(strict=True)]  # neither true nor a number in quotes
 
 
 class _Model(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True)
+    model_config = ConfigDict(extra="forbid", frozen=True)
 
 
 class KesValue(_Model):
@@ -48,7 +51,9 @@ class Ways(_Model):
     @model_validator(mode="before")
     @classmethod
     def _no_direction(cls, data: Any) -> Any:
-        alone = isinstance(data, int | float) or (isinstance(data, Mapping) and "value" in data)
+        if data is None:  # a key that waits for its values, as `T0:` may
+            return {}
+        alone = isinstance(data, int | float) or (isinstance(data, Mapping) and "value" in data and not set(data) & set(BENDING_WAYS))
         return {"mean": data} if alone else data
 
 
@@ -62,7 +67,7 @@ class CalibratedLaw(_Model):
     """Law values, in tester units, with which the virtual testers print this sheet. They hold only for the sheet with this hash."""
 
     sheet_sha256: str = Field(pattern="^[0-9a-f]{64}$")
-    values: dict[str, float] = Field(min_length=1)
+    values: dict[str, _Number] = Field(min_length=1)
 
 
 class KesSheet(_Model):
@@ -79,7 +84,7 @@ class KesSheet(_Model):
     weave: str | None = None
     source: str | None = Field(default=None, min_length=1)
     sources: dict[str, str] = Field(default_factory=dict)
-    shear_window_deg: tuple[float, float] = SHEAR_WINDOW_DEG
+    shear_window_deg: tuple[_Number, _Number] = SHEAR_WINDOW_DEG
     W: KesValue | None = None
     T0: KesValue | None = None
     Tm: KesValue | None = None
@@ -105,7 +110,7 @@ class KesSheet(_Model):
     def _values_are_possible(self) -> KesSheet:
         low, high = self.shear_window_deg
         if not 0.0 <= low < high <= SHEARED_DEG:
-            raise FabricError(f"{low:g} to {high:g} degrees came; a rising pair from 0 to {SHEARED_DEG:g} is allowed", key="shear_window_deg")
+            raise FabricError(f"{low:g} to {high:g} degrees came; {_PAIR}", key="shear_window_deg")
         for key, value in self.values().items():
             low, high = quantity_of(key).possible
             if not low <= value.value <= high:
@@ -120,9 +125,11 @@ class KesSheet(_Model):
             if named is not None and self.sources and named not in self.sources:
                 raise FabricError(f"source {named[:100]!r} is not among the sheet's `sources`{did_you_mean(named, self.sources)}", key=key)
         for key, number in (self.law.values if self.law else {}).items():
+            if key not in KEYS:
+                raise FabricError(f"law value {number!r} for {key!r}, which no sheet has{did_you_mean(key, KEYS)}", key=f"law.values.{key}")
             low, high = quantity_of(key).possible
-            if key not in KEYS or not low <= number <= high:
-                raise FabricError(f"law value {number!r} for {key!r}; a key of the sheet with {low:g} to {high:g} is allowed", key=f"law.values.{key}")
+            if not low <= number <= high:
+                raise FabricError(f"law value {number!r}; {low:g} to {high:g} is allowed", key=f"law.values.{key}")
         return self
 
     def get(self, key: str) -> KesValue | None:
@@ -203,7 +210,7 @@ def sheet_from(data: Any, file: str | None = None) -> KesSheet:
     try:
         return KesSheet.model_validate(dict(data))
     except ValidationError as fault:
-        first = fault.errors()[0]
+        first = min(fault.errors(), key=lambda one: one["type"] == "missing")  # what is written says more than what it leaves out
         cause = first.get("ctx", {}).get("error")
         more = f" (and {fault.error_count() - 1} more)" if fault.error_count() > 1 else ""
         if isinstance(cause, FabricError):
@@ -214,16 +221,46 @@ def sheet_from(data: Any, file: str | None = None) -> KesSheet:
 
 def _refusal(fault: Any) -> str:
     *where, last = [str(part) for part in fault["loc"]] or [""]
-    came = f"{fault['input']!r}"[:100] + " came"
-    if fault["type"] == "extra_forbidden":
-        return f"unknown key {last[:100]!r}{did_you_mean(last, _allowed_keys(where))}"
-    if fault["type"] == "missing":
+    kind, text = fault["type"], isinstance(fault["input"], str)
+    came = ("nothing" if fault["input"] is None else f"{fault['input']!r}"[:100]) + " came"
+    quantity = QUANTITIES.get((where or [last])[0])
+    if kind == "extra_forbidden":
+        near = did_you_mean(last, _allowed_keys(where))
+        return f"unknown key {last[:100]!r}{'' if near.startswith(';') else _hint(last, where)}{near}"
+    if kind == "missing":
         return f"the key {last!r} is missing; it is required"
-    if fault["type"] in ("model_type", "dict_type"):
+    if "shear_window_deg" in (last, *where):
+        return f"{came}; {_PAIR}"
+    if kind == "dict_type":
+        return f"{came}; a mapping of {'short names to citations' if last == 'sources' else 'keys of the sheet to numbers'} is allowed"
+    if kind == "model_type" and quantity is None:
         return f"{came}; a mapping is allowed, with the keys {', '.join(_allowed_keys([*where, last]))}"
-    if last == "value" or fault["type"].startswith(("float", "finite")):
-        return f"{came}; a finite number is allowed"
+    if kind == "model_type" or last == "value" or kind.startswith(("float", "finite")):
+        unit = f" in {quantity.unit}" if quantity and quantity.unit != "-" else ""
+        ways = f" (the mean) or a mapping with the keys {', '.join(_allowed_keys([last]))}" if kind == "model_type" else ""
+        return f"{came}; a finite number{unit}{ways} is allowed{'; numbers have a decimal point, and neither unit nor quotes' if text else ''}"
+    if kind == "string_type":
+        return f"{came}; a text is allowed, a number in quotes"
+    if kind == "string_too_short":
+        return f"{came}; a text that is not empty is allowed"
     return f"{came}; {fault['msg'][0].lower()}{fault['msg'][1:]}"
+
+
+def _hint(key: str, where: list[str]) -> str:
+    """What to say of an unknown key that is like no other: units and directions that stand where they do not belong."""
+    if not where and key.lower() in BENDING_WAYS:
+        return "; directions stand below a value, as in `B: {warp: 0.1}`"
+    meant = [where[0]] if where else [name for name in QUANTITIES if re.match(rf"{name}[^a-z0-9]", key, re.I)]
+    quantity = QUANTITIES.get(meant[0]) if meant else None
+    if quantity is None:
+        return ""
+    unit = "without a unit" if quantity.unit == "-" else f"in {quantity.unit}"
+    if not where:
+        below = f", directions below it as in `{quantity.name}: {{warp: ...}}`" if quantity.directions else ""
+        return f"; the key is {quantity.name} alone, its number always {unit}{below}"
+    if key in BENDING_WAYS and not quantity.directions:
+        return f"; {quantity.name} has no directions, it is one number {unit}"
+    return f"; {quantity.name} is always {unit}" if key in ("unit", "units") else ""
 
 
 def _allowed_keys(where: list[str]) -> list[str]:
