@@ -41,6 +41,12 @@ def test_a_checkpoint_of_another_fabric_is_refused_by_the_names_of_both(tmp_path
         load_state(tmp_path / "c.npz", other.identity)
 
 
+def test_a_checkpoint_of_other_parameters_is_refused_without_hashes(tmp_path: Path) -> None:
+    save_state(tmp_path / "c.npz", State(np.zeros((1, 3)), np.zeros((1, 3))), make_job("straight-skirt").identity)
+    with pytest.raises(CheckpointError, match=r"another run \(grid_mm: 10 there, 20 here, spec: the garment, or a parameter that was set, is another one\)"):
+        load_state(tmp_path / "c.npz", make_job("straight-skirt", grid_mm=20, values={"length": 700.0}).identity)
+
+
 def test_a_checkpoint_agrees_with_where_the_body_has_its_landmarks_and_cylinders() -> None:
     job = make_job("straight-skirt")
     body = job.mannequin

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Callable
@@ -249,6 +250,10 @@ def test_ctrl_c_ends_all_tests_with_its_message_and_130(case: GarmentTestCase, d
     [
         (TEST.replace("ease_mm.waist", "ease_mm.wist"), "report.ease_mm.wist: there is no 'wist' in ease_mm; did you mean 'waist'"),
         (TEST.replace("report: {", "report: {status: convergd, "), "report.status: no drape ends as 'convergd'; did you mean 'converged'"),
+        (TEST.replace("report: {", "report: {hem_height_mm: tall, "), "report.hem_height_mm: 'tall' came; a number is wanted here, a range as in"),
+        (TEST.replace("report: {", "report: {versions.numpy: 2, "), "report.versions.numpy: 2 came; this value is a word"),
+        (TEST.replace("report: {", "report: {fabric: [1, 2], "), "report.fabric: 1 to 2 came; this value is a word"),
+        (re.sub("baseline: .*", "baseline: []", TEST), "baseline: it names no value"),
         (TEST.replace("hem.nodes,", "hem.node,"), "baseline.hem.node: there is no 'node' in hem; did you mean 'nodes'"),
         (TEST.replace("ease_mm.waist", "fold_deg.front.crease"), "report.fold_deg.front.crease: there is no 'front' in fold_deg. There are none"),
         (TEST.replace("hem.nodes,", "seam_tension.side.max_n_m,"), "baseline.seam_tension.side.max_n_m: there is no 'side' in seam_tension"),

@@ -20,7 +20,7 @@ from garmentcad.pattern.parse import shown
 from garmentcad.regression.assertion import Verdict, came_text, expected_text, holds, judge, means, refuse_unknown_keys
 from garmentcad.regression.baseline import Baseline, Shape, read_baseline, read_shape
 from garmentcad.regression.difference_picture import draw_difference
-from garmentcad.regression.known_values import known_values
+from garmentcad.regression.known_values import WORDS, known_values
 from garmentcad.regression.lays import Lay, drape_lays
 from garmentcad.simulation.course import Progress
 from garmentcad.simulation.job import Job, make_job
@@ -59,6 +59,8 @@ class Judgement:
 def job_of(case: GarmentTestCase) -> Job:
     """The drape that a test asks for. InputError for what is refused, a key that its report will not have among it."""
     test = case.test
+    if not test.baseline and "baseline" in test.model_fields_set:
+        raise SpecError("it names no value; name some (or shape), or leave the key out", file=str(case.file), key="baseline")
     if twice := [key for k, key in enumerate(test.baseline) if key in test.baseline[:k]]:
         raise SpecError(f"{', '.join(twice)} stands twice; each key may stand once", file=str(case.file), key="baseline")
     fabric, mannequin = case.resolve(test.fabric, "fabrics"), case.resolve(test.mannequin, "mannequins")
@@ -74,6 +76,13 @@ def job_of(case: GarmentTestCase) -> Job:
     status = test.report.get("status")
     if isinstance(status, str) and status not in (*get_args(Status), ANY):
         raise SpecError(f"no drape ends as {shown(status)}{did_you_mean(status, get_args(Status))}", file=str(case.file), key="report.status")
+    for key, wanted in test.report.items():
+        is_word = key.split(".")[0] in WORDS
+        if isinstance(wanted, str) and wanted != ANY and not is_word:
+            allowed = "a number is wanted here, a range as in [10, 20], or {value: 15, tol: 2}"
+            raise SpecError(f"{shown(wanted)} came; {allowed}", file=str(case.file), key=f"report.{key}")
+        if is_word and wanted is not None and not isinstance(wanted, str):
+            raise SpecError(f"{expected_text(wanted)} came; this value is a word", file=str(case.file), key=f"report.{key}")
     return job
 
 

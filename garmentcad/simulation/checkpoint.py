@@ -18,6 +18,8 @@ from garmentcad.pattern.parse import parse_model
 
 SCHEMA = 3
 MOST_HEAD_BYTES = 2_000_000
+# What is told of a difference between hashes alone, which would tell a person nothing.
+_HASHED = {"spec": "spec: the garment, or a parameter that was set, is another one", "mannequin": "mannequin: another body, or another pose of it"}
 _POINTS = ("positions", "velocities", "constraint_speeds", "constraint_forces")
 
 
@@ -72,7 +74,7 @@ def load_state(path: Path, identity: dict[str, str] | None = None) -> State:
         raise CheckpointError(f"not a whole checkpoint of this program ({type(error).__name__}: {error})", file=str(path)) from None
     if identity is not None and head.identity != identity:
         unlike = [key for key in sorted({*head.identity, *identity}) if head.identity.get(key) != identity.get(key)]
-        differing = ", ".join(f"{key}: {head.identity.get(key)} there, {identity.get(key)} here" for key in unlike)
+        differing = ", ".join(_HASHED.get(key) or f"{key}: {head.identity.get(key)} there, {identity.get(key)} here" for key in unlike)
         raise CheckpointError(f"the checkpoint belongs to another run ({differing})", file=str(path))
     return state
 
