@@ -3,6 +3,7 @@
 import copy
 import operator
 import pickle
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +12,7 @@ import trimesh
 
 from garmentcad.errors import FileError, GarmentError, MannequinError
 from garmentcad.io.mannequin_file import mannequin_names, read_human, read_mannequin
+from garmentcad.mannequin.scan import mannequin_of_scan
 
 GOOD = "schema: 1\nunits: mm\nkind: woman\nmeasurements: {bust: 880, waist: 720, hip: 960}\n"
 
@@ -157,6 +159,53 @@ def test_of_a_scan_that_stands_a_little_askew_is_said_where_girths_suffer(tmp_pa
     body = read_mannequin(tmp_path / "turned.obj")
     assert any("askew" in note for note in body.repairs) == said
     assert (abs(body.measurements_mm["bust"] - straight.measurements_mm["bust"]) > 5.0) == said
+
+
+def cut_off(tmp_path, name, height):
+    """The scan of a shipped body without what lies above a height, m; the hole is closed as it is read."""
+    known = read_mannequin(name)
+    faces = known.faces[known.vertices[known.faces][:, :, 1].max(axis=1) < height]
+    trimesh.Trimesh(known.vertices, faces, process=False).export(tmp_path / "cut.obj")
+    return tmp_path / "cut.obj"
+
+
+@pytest.mark.parametrize("name", ["woman-76", "woman-122", "man-84", "man-120", "garmentcode-mean"])
+@pytest.mark.parametrize("share", [0.88, 0.86, 0.84, 0.81])
+def test_scan_without_its_head_is_refused(tmp_path, name, share):
+    """Cut at the chin, in the neck, below it, at the shoulders (a hole that may be too large to be closed: laid flat there)."""
+    known = read_mannequin(name)
+    height = share * known.vertices[:, 1].max()
+    said = r"its head is missing: at 90 % of its height it measures \d+ mm around.* with its head"
+    with pytest.raises(MannequinError, match=said):
+        mannequin_of_scan(np.minimum(known.vertices, [np.inf, height, np.inf]), known.faces, name=name)
+    if share > 0.81:
+        with pytest.raises(MannequinError, match=said):
+            read_mannequin(cut_off(tmp_path, name, height))
+
+
+@pytest.mark.parametrize("name", mannequin_names())
+def test_scan_with_its_head_is_read(name):
+    """As it is, turned by 6 degrees, and with a bun of 80 mm on its head."""
+    known = read_mannequin(name)
+    bun, top = known.vertices.copy(), known.vertices[known.vertices[:, 1].argmax()]
+    bun[:, 1] += 0.08 * np.exp(-(np.hypot(*(bun - top)[:, [0, 2]].T) ** 2) / 0.03**2) * (bun[:, 1] > 0.97 * top[1])
+    turned = trimesh.transform_points(known.vertices, trimesh.transformations.rotation_matrix(np.radians(6.0), [0.0, 1.0, 0.0]))
+    assert [mannequin_of_scan(points, known.faces, name=name).repairs for points in (known.vertices, turned, bun)] == [()] * 3
+
+
+def test_of_a_scan_without_its_crown_or_with_hair_over_its_neck_is_said(tmp_path):
+    known = read_mannequin("woman-88")
+    stature = known.vertices[:, 1].max()
+    assert not any("neck" in note for note in read_mannequin(cut_off(tmp_path, "woman-88", stature - 0.02)).repairs)
+    notes = read_mannequin(cut_off(tmp_path, "woman-88", 0.94 * stature)).repairs
+    assert any(re.match(r"its head rises only \d+ mm above its neck; where its crown is missing", note) for note in notes)
+    hair, height = known.vertices.copy(), known.vertices[:, 1] / stature
+    middle = hair[height > 0.9, 2].mean()
+    beside = np.hypot(hair[:, 0], hair[:, 2] - middle)
+    wider = np.where((height > 0.82) & (height < 0.92) & (np.abs(hair[:, 0]) < 0.13), np.maximum(1.0, 0.092 / np.maximum(beside, 1e-3)), 1.0)
+    hair[:, 0], hair[:, 2] = hair[:, 0] * wider, middle + (hair[:, 2] - middle) * wider
+    (note,) = mannequin_of_scan(hair, known.faces, name="hair").repairs
+    assert note.startswith("no neck is seen below the head, as where hair lies over it")
 
 
 def test_scan_that_is_no_body_is_refused(tmp_path):

@@ -25,6 +25,10 @@ _REACH = 0.18
 # all its girths, by 8 its bust takes in part of an arm (72 mm more), which is said. Toes lie 0.05 to 0.06 of the stature farther from the ankle than heels do
 # on the shipped bodies; less than the share here is no sign of toes at the back.
 _ASKEW_DEG, _SAID_DEG, _TOES = 20.0, 6.0, 0.03
+# Level of the neck and share of a head, in percent of the stature: the shipped bodies have their necks at 85 to 87, are 1.3 to 2.1 times as wide above it, and
+# at 90 measure 0.24 to 0.27 of the stature around. Cut at the chin or below, they are narrowest on top and measure more than 0.5 of what is left there.
+_LEVELS, _NECK, _HEAD = range(80, 100), 93, 90
+_WIDER, _NO_HEAD = 1.10, 0.45
 _SHOULDER_X, _ARMPIT_X, _NECK_X = 0.108, 0.100, 0.060
 _BACK_WIDTH, _CHEST_FRONT = 0.39, 0.37  # of the bust
 
@@ -36,7 +40,8 @@ def mannequin_of_scan(
 
     `estimated` names what rests on proportions: all landmarks but waist and hip, all heights and lengths. Girths are taped in those planes.
     heights_mm: of body lines above the floor, in place of those by proportion; repairs: what was done to the surface, and what else is to be said of it.
-    MannequinError when a plane misses the body (not a standing body with two legs and two arms), or hands or toes tell that it faces elsewhere.
+    MannequinError when a plane misses the body (not a standing body with two legs and two arms), its head is missing, or hands or toes tell that it faces
+    elsewhere.
     """
     points = vertices - [0.0, vertices[:, 1].min(), 0.0]
     stature = float(points[:, 1].max())
@@ -55,7 +60,7 @@ def mannequin_of_scan(
         raise MannequinError("the legs are not apart at knee height; a body that stands with its legs apart is wanted (y up, facing +z)")
     if min(points[:, 0].max(), -points[:, 0].min()) < _REACH * stature:
         raise MannequinError("the arms are not away from the body (the hands must reach out 0.18 of the stature to both sides)")
-    repairs = (*repairs, *_facing(points, stature))
+    repairs = (*repairs, *_facing(points, stature), *_headed(points, faces, stature))
     marks = _landmarks(points, faces, heights, stature)
     part = _parts(points, faces, marks)
     counts = np.bincount(part, minlength=len(PART_NAMES))
@@ -91,6 +96,22 @@ def _facing(points: np.ndarray, stature: float) -> tuple[str, ...]:
         if (ankle - soles[:, 2].min()) - (soles[:, 2].max() - ankle) > _TOES * stature:
             raise MannequinError("its toes point to -z; turn it to face +z, its left hand toward +x")
     return (f"from hand to hand it stands askew by {abs(askew):.0f} degrees: girths may take in part of an arm",) if abs(askew) > _SAID_DEG else ()
+
+
+def _headed(points: np.ndarray, faces: np.ndarray, stature: float) -> tuple[str, ...]:
+    """MannequinError for a body without its head, by girths of level sections near its top, and what to say where hair may hide the neck or the crown is
+    missing; stature: m."""
+    girths = {level: tape(points, faces, 0.01 * level * stature * _UP, _UP).girth for level in _LEVELS}
+    neck = min((level for level in _LEVELS if level <= _NECK), key=lambda level: girths[level])
+    if max(girth for level, girth in girths.items() if level >= neck) >= _WIDER * girths[neck]:
+        above = M_TO_MM * (1.0 - 0.01 * neck) * stature
+        return (f"its head rises only {above:.0f} mm above its neck; where its crown is missing, heights by proportion lie too low",) if neck > _HEAD else ()
+    if girths[_HEAD] > _NO_HEAD * stature:
+        raise MannequinError(
+            f"its head is missing: at {_HEAD} % of its height it measures {M_TO_MM * girths[_HEAD]:.0f} mm around, as shoulders do, and there is no neck below "
+            "something wider; the scan of a whole body is wanted, with its head"
+        )
+    return ("no neck is seen below the head, as where hair lies over it: landmarks and girth of the neck may be off",)
 
 
 def _nearest(points: np.ndarray, place: list[float]) -> np.ndarray:
