@@ -156,6 +156,8 @@ RING = [["right.belt_front", "right.belt_back"], ["left.belt_back", "left.belt_f
         ),
         ({"belts": [{"name": "b", "along": [["left.low", "left.high"]], "length": "waist", "stiffness": 9}]}, []),  # 60 mm of it on the cloth
         ({"elastics": [{"name": "e", "along": RING, "ratio": 0.5, "stiffness": 9}]}, []),
+        ({"elastics": [{"name": "e", "along": RING, "ratio": 1, "stiffness": 9}]}, []),
+        ({"elastics": [{"name": "e", "along": RING, "ratio": 1.2, "stiffness": 9}]}, [("warning", "elastic-slack", "elastics.e.ratio")]),
     ],
 )
 def test_what_is_in_other_units_is_found(more: dict[str, Any], codes: list[tuple[str, str, str]]) -> None:
@@ -207,6 +209,10 @@ def test_redundant_pins_are_named_and_solved() -> None:
         ({"offset": 22}, None),
         ({"offset": 4}, 8),
         ({"offset": 4, "angle": 180}, None),  # a quarter of a turn away nothing is known, though the hole lies deeper seen from the button
+        ({"offset": 4, "height": 100}, 8),  # 150 mm below its button
+        ({"offset": 22, "height": 100}, None),
+        ({"angle": 110, "height": 100}, None),  # on one round layer with it, 46 mm to the side as well
+        ({"offset": 4, "height": -100}, None),  # 350 mm below it
     ],
 )
 def test_a_buttonhole_inside_its_button(wrap: dict[str, float], inside: float | None) -> None:

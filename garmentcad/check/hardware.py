@@ -24,7 +24,7 @@ from garmentcad.solve.hardware import hardware_rows, redundance_message, redunda
 from garmentcad.units import M_TO_MM, MM_TO_M
 
 _GATHERED = 3.0  # a belt draws no more cloth together, and hangs around no body that is so many times slimmer: a length in cm or inches, say
-_PARALLEL, _NEAR_M = 0.9, 0.1  # cosine between the layers of a button, and distance to its hole: as placed one layer lies over the other
+_PARALLEL, _NEAR_M, _BESIDE_M = 0.9, 0.1, 0.3  # cosine between the layers of a button, and distances to its hole: over each other as placed, or beside
 _INSIDE_M = 0.001  # layers nearer to each other say nothing
 _FAR_M = 0.5  # between a pin and the point that it holds, as placed
 
@@ -49,6 +49,7 @@ def check_hardware(
         )  # fmt: skip
     yield from _check_pins(pattern, flat, positions, mannequin, file)
     yield from _check_buttons(pattern, flat, positions, file)
+    yield from _check_elastics(pattern, file)
     yield from _check_belts(pattern, mannequin, file)
 
 
@@ -76,8 +77,10 @@ def _check_buttons(pattern: Pattern, flat: Cloth, positions: np.ndarray, file: s
     for button in pattern.buttons:
         (low, outward), (high, beside) = (_on_panel(flat, positions, point) for point in (button.button, button.buttonhole))
         between = outward + beside  # a hole beside its button on one round layer lies square to this
-        inside = (low - high) @ between / np.linalg.norm(between)
-        if outward @ beside > _PARALLEL and np.linalg.norm(high - low) < _NEAR_M and inside > _INSIDE_M:
+        inside, apart = (low - high) @ between / np.linalg.norm(between), np.linalg.norm(high - low)
+        # On one layer that is round between them one may lie deeper than the other, along the way the layer turns by half its angle at most.
+        round_m = 0.0 if apart < _NEAR_M else 0.5 * abs((low - high) @ (outward - beside))
+        if outward @ beside > _PARALLEL and apart < _BESIDE_M and inside > _INSIDE_M + round_m:
             yield Finding(
                 "warning", "button-inside", file, f"closures.{button.name}",
                 f"the buttonhole {button.buttonhole} starts {inside * M_TO_MM:.0f} mm inside its button {button.button}; it has to lie outside, "
@@ -92,6 +95,18 @@ def _on_panel(flat: Cloth, positions: np.ndarray, point: PanelPoint) -> tuple[np
     a, b, c = positions[place.vertices[0]]
     normal = np.cross(b - a, c - a)
     return place.weights[0] @ np.array([a, b, c]), normal / np.linalg.norm(normal)
+
+
+def _check_elastics(pattern: Pattern, file: str | None) -> Iterator[Finding]:
+    for band in pattern.bands:
+        if band.ratio is not None and band.ratio > 1.0:
+            along = sum(line_mm(pattern, line) for line in band.lines)
+            yield Finding(
+                "warning", "elastic-slack", file, f"elastics.{band.name}.ratio",
+                f"the ratio is {band.ratio:g}: at rest the elastic is {band.ratio * along:.0f} mm long, and what it is sewn to {along:.0f} mm; "
+                "it does not pull unless the cloth is stretched beyond that",
+                "The ratio is that of the elastic at rest to its lines: below 1, usually 0.6 to 0.95.",
+            )  # fmt: skip
 
 
 def _check_belts(pattern: Pattern, mannequin: Mannequin, file: str | None) -> Iterator[Finding]:
