@@ -119,11 +119,11 @@ SPEC_CASES = [
     spec("no area", b"c: [waist / 2, length]\n      d: [0, length]", b"c: [waist, 0]\n      d: [2 * waist, 0]", "panels.front.edges", "encloses"),
     spec("unknown part", b"torso", b"trunk", "panels.front.placement.wrap.part", "'torso'", "came 'trunk'"),
     spec("no placement", b"wrap: {part: torso, angle: 0, height: waist_height}", b"wrap: null", "panels.front.placement", "exactly one of"),
-    spec("unknown panel", b"front.left.d", b"frond.left.d", "seams.0.a.0", "'frond'", "did you mean 'front'"),
-    spec("unknown edge", b"front.left.d", b"front.lefd.d", "seams.0.a.0", "'lefd'", "did you mean 'left'"),
-    spec("point not on edge", b"front.left.d", b"front.left.c", "seams.0.a.0", "does not end at 'c'", "Allowed: a, d"),
-    spec("no path", b"front.left.d, front.left.a", b"front.left.a, front.left.a", "seams.0.a", "no way along the outline"),
-    spec("short seam end", b"front.left.d", b"front.left", "seams.0.a.0", "panel.edge.point", "came 'front.left'"),
+    spec("unknown panel", b"front.left.d", b"frond.left.d", "seams.tube.a.0", "'frond'", "did you mean 'front'"),
+    spec("unknown edge", b"front.left.d", b"front.lefd.d", "seams.tube.a.0", "'lefd'", "did you mean 'left'"),
+    spec("point not on edge", b"front.left.d", b"front.left.c", "seams.tube.a.0", "does not end at 'c'", "Allowed: a, d"),
+    spec("no path", b"front.left.d, front.left.a", b"front.left.a, front.left.a", "seams.tube.a", "no way along the outline"),
+    spec("short seam end", b"front.left.d", b"front.left", "seams.tube.a.0", "panel.edge.point", "came 'front.left'"),
     spec("closures", b"seams:", b"closures: [zip]\nseams:", "closures.0", "a mapping is wanted, came 'zip'"),
 ]
 

@@ -12,6 +12,7 @@ from typing import Any
 from rich.table import Table
 
 from garmentcad.analysis.body_line import BodyLine
+from garmentcad.analysis.ease import EASE_LINES
 from garmentcad.analysis.figures import FIT_KEYS, Figure, figures
 from garmentcad.analysis.plane_fit import loops_in_plane
 from garmentcad.analysis.refinement import error_bars
@@ -28,7 +29,8 @@ _OWN_TABLE = ("ease_mm", "pattern_ease_mm", "body_girth_mm", "ease_level_mm", "l
 
 def fit_of(result: Result, lines: Sequence[BodyLine] = (), coarser: Sequence[Result] = ()) -> dict[str, Any]:
     """The fit as plain data: identity, every figure of `FIT_KEYS` that the report has, `lines` measured now and, with results of the same garment on coarser
-    lattices, `error_bars` by path. InputError for a coarser result of another garment, fabric, mannequin or mode, and for lines of a garment without a body."""
+    lattices, `error_bars` by path. InputError for a coarser result of another garment, fabric, mannequin or mode, for lines of a garment without a body, and
+    for lines with a name of the report's own."""
     made = _with_lines(result, lines)
     if coarser:
         for other in coarser:
@@ -48,6 +50,9 @@ def _with_lines(result: Result, lines: Sequence[BodyLine]) -> dict[str, Any]:
         raise InputError("this result has no mannequin to measure a line on", key="--line")
     measured: dict[str, Any] = {}
     for line in lines:
+        if line.name in EASE_LINES:
+            own = ", ".join(EASE_LINES)
+            raise InputError(f"{line.name!r} is the name of a line that every report has; allowed are names other than {own}", key="--line")
         if line.name in measured:
             raise InputError(f"the line {line.name} stands twice; each name may stand once", key="--line")
         loops = loops_in_plane(result.cloth, result.state.positions, result.mannequin, line.plane)

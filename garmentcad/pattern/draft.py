@@ -80,8 +80,8 @@ def draft_errors(spec: GarmentSpec, measurements_mm: Mapping[str, float]) -> tup
                 raise SpecError(f"a second seam is called {seam.name!r}; names of seams differ", key=f"seams.{k}.name")
             if seam.caught_in is not None and seam.caught_in not in holding:
                 text = f"no seam that is itself not caught in another is called {seam.caught_in!r}{did_you_mean(seam.caught_in, holding)}"
-                raise SpecError(text, key=f"seams.{k}.caught_in")
-            seams.append(draft_seam(seam, panels, scope, f"seams.{k}"))
+                raise SpecError(text, key=f"seams.{seam.name}.caught_in")
+            seams.append(draft_seam(seam, panels, scope, f"seams.{seam.name}"))
         except InputError as fault:
             keep(fault)
     if errors and len(panels) < len(spec.panels):

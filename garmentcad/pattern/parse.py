@@ -52,12 +52,12 @@ def parse_model(model: type[Made], data: Any, file: str | None = None) -> Made:
     try:
         return model.model_validate(data)
     except ValidationError as fault:
-        errors = spec_errors(fault, file)
+        errors = spec_errors(fault, file, data)
         raise SpecError(errors[0].message, file=file, key=errors[0].key, others=errors[1:]) from None
 
 
-def spec_errors(fault: ValidationError, file: str | None) -> list[SpecError]:
-    """One SpecError for each fault that pydantic found."""
+def spec_errors(fault: ValidationError, file: str | None, data: Any = None) -> list[SpecError]:
+    """One SpecError for each fault that pydantic found in data."""
     found = []
     errors = fault.errors(include_url=False)
     for error in errors:
@@ -83,8 +83,17 @@ def spec_errors(fault: ValidationError, file: str | None) -> list[SpecError]:
             message = f"{bound} {number} {'entry is' if number == 1 else 'entries are'} wanted, came {len(error['input'])}: {shown(error['input'])}"
         elif kind not in ("one_of", "arc"):
             message = f"{message[:1].lower()}{message[1:]}, came {shown(error['input'])}"
-        found.append(SpecError(message, file=file, key=".".join(path) or None))
+        found.append(SpecError(message, file=file, key=".".join(_named(path, data)) or None))
     return found
+
+
+def _named(path: list[str], data: Any) -> list[str]:
+    """The path with a seam's name for its number, where it has one that is not itself at fault."""
+    if len(path) > 2 and path[0] == "seams" and path[2] != "name":
+        seam = data["seams"][int(path[1])]
+        if isinstance(seam, dict) and isinstance(seam.get("name"), str):
+            return ["seams", seam["name"], *path[2:]]
+    return path
 
 
 def _form(place: tuple[int | str, ...]) -> str:
