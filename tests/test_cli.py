@@ -58,9 +58,10 @@ def test_body_of_measurements_is_made_and_read_again(tmp_path: Path) -> None:
         (("mannequin", "make", "nobody", "-o", "body.obj"), "'nobody' is no kind of body, no shipped mannequin and no file. Allowed: garmentcode-mean, man, "),
         (("mannequin", "make", "nobody.obj", "-o", "body.obj"), "nobody.obj"),
         (("drape", "flared-skrit"), "did you mean"),
-        (("drape", "flared-skirt", "--grid", "0.5"), "2 to 50 mm"),
+        (("drape", "flared-skirt", "--grid", "0.5"), "--grid: grid of 0.5 mm; 2 to 50 mm"),
         (("drape", "flared-skirt", "--max-time", "nan"), "--max-time"),
         (("drape", "flared-skirt", "--seed", "-1"), "--seed"),
+        (("drape", "tucked-in", "--set", "length=1"), "--set: an outfit has values"),
         (("drape", "flared-skirt", "--fabric", "no-such.yaml"), "no-such.yaml"),
         (("drape", "flared-skirt", "--mannequin", "woman-89"), "woman-88"),
         (("drape", "flared-skirt", "--resume", "-o", "nowhere"), "no checkpoint"),
@@ -167,4 +168,4 @@ def test_a_passport_that_cannot_be_written_is_refused_before_anything_is_measure
     (tmp_path / "taken").write_text("a file")
     run = garmentcad_here("fabric", "test", "denim", "-o", "taken", folder=tmp_path)
     assert run.returncode == 2
-    assert "taken: --out: cannot be the folder of a result" in run.stderr
+    assert "taken: cannot be the folder of a result" in run.stderr

@@ -89,14 +89,14 @@ def test_error_bars_in_file_and_table(tmp_path: Path) -> None:
 
 
 def test_a_line_that_stands_twice_is_refused() -> None:
-    with pytest.raises(InputError, match="--line: the line middle stands twice"):
+    with pytest.raises(InputError, match="lines: the line middle stands twice"):
         fit_of(worn(), [parse_line("middle=760"), parse_line("middle=750")])
 
 
 @pytest.mark.parametrize("name", ["hip", "thigh_left"])
 def test_a_line_with_the_name_of_one_of_the_report_is_refused(name: str) -> None:
     with pytest.raises(
-        InputError, match=f"--line: '{name}' is the name of a line that every report has; allowed are names other than bust, waist, hip, top_arm"
+        InputError, match=f"lines: '{name}' is the name of a line that every report has; allowed are names other than bust, waist, hip, top_arm"
     ):
         fit_of(worn(), [parse_line("middle=760"), parse_line(f"{name}=760")])
 

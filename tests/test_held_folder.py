@@ -32,7 +32,7 @@ def test_another_process_is_refused_until_the_first_one_is_killed(tmp_path: Path
             job = make_job("straight-skirt", grid_mm=50.0, max_time_s=0.05)
             with pytest.raises(FileError, match=r"another drape.*folder") as refused:
                 finish(job, lambda progress: None, tmp_path)
-            assert (refused.value.file, refused.value.key) == (str(tmp_path), "--out")
+            assert (refused.value.file, refused.value.key) == (str(tmp_path), None)
         finally:
             first.kill()
     assert [path.name for path in tmp_path.iterdir()] == ["report.json"], "the refused drape touched nothing, and holding makes no file"

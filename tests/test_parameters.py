@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from garmentcad.check.examine import examine
-from garmentcad.cli.named import named_numbers
+from garmentcad.cli.named import by_option, named_numbers, option_of
 from garmentcad.cloth.state import State
 from garmentcad.errors import CheckpointError, FileError, InputError, SpecError
 from garmentcad.export.drape import drape
@@ -67,26 +67,26 @@ def test_a_name_that_is_no_parameter_and_a_value_out_of_range_are_refused() -> N
 
 
 def test_a_mode_that_is_none_is_refused() -> None:
-    with pytest.raises(InputError, match="--mode: mode 'drapee'; drape or dynamics is allowed"):
+    with pytest.raises(InputError, match="mode: mode 'drapee'; drape or dynamics is allowed"):
         make_job("straight-skirt", mode="drapee")  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({"seed": 1.5}, "--seed: seed 1.5; 0 or a positive whole number"),
-        ({"seed": "1"}, "--seed: seed '1'"),
-        ({"seed": True}, "--seed: seed true"),
-        ({"grid_mm": "20"}, "--grid: a number of mm is wanted, came '20'"),
-        ({"grid_mm": None}, "--grid: .*came nothing"),
-        ({"grid_mm": 10**400}, "--grid: a number of mm"),
-        ({"max_time_s": "3"}, "--max-time: a number of simulated seconds is wanted, came '3'"),
-        ({"values": {"length": None}}, "--set length: a number is wanted, came nothing"),
-        ({"values": {1: 2}}, "--set: a mapping of parameter names"),
-        ({"values": [1]}, "--set: a mapping of parameter names"),
-        ({"fabric": 3}, "--fabric: a name, a file or a KesSheet is wanted, came 3"),
-        ({"mannequin": {}}, "--mannequin: a name, a file or a Mannequin is wanted"),
-        ({"pose": 1.0}, "--pose: a name or a file is wanted"),
+        ({"seed": 1.5}, "seed: seed 1.5; 0 or a positive whole number"),
+        ({"seed": "1"}, "seed: seed '1'"),
+        ({"seed": True}, "seed: seed true"),
+        ({"grid_mm": "20"}, "grid_mm: a number of mm is wanted, came '20'"),
+        ({"grid_mm": None}, "grid_mm: .*came nothing"),
+        ({"grid_mm": 10**400}, "grid_mm: a number of mm"),
+        ({"max_time_s": "3"}, "max_time_s: a number of simulated seconds is wanted, came '3'"),
+        ({"values": {"length": None}}, "values.length: a number is wanted, came nothing"),
+        ({"values": {1: 2}}, "values: a mapping of parameter names"),
+        ({"values": [1]}, "values: a mapping of parameter names"),
+        ({"fabric": 3}, "fabric: a name, a file or a KesSheet is wanted, came 3"),
+        ({"mannequin": {}}, "mannequin: a name, a file or a Mannequin is wanted"),
+        ({"pose": 1.0}, "pose: a name or a file is wanted"),
         ({"spec": None}, "spec: a garment is a shipped name, a file or a GarmentSpec, came nothing"),
         ({"spec": {"schema": 1}}, "spec: a garment is"),
     ],
@@ -112,7 +112,7 @@ def test_a_sheet_and_a_body_are_examined_as_their_names_are() -> None:
     assert [str(finding) for finding in named]
     assert examine("knit-top", body, fabric=sheet) == named
     (finding,) = examine("knit-top", body, fabric=sheet.model_copy(update={"W": None, "law": None}))
-    assert (finding.severity, finding.key) == ("error", "--fabric")
+    assert (finding.severity, finding.key) == ("error", "fabric")
 
 
 @pytest.mark.parametrize(
@@ -120,11 +120,11 @@ def test_a_sheet_and_a_body_are_examined_as_their_names_are() -> None:
     [
         ({"spec": 42}, "spec", "came 42"),
         ({"spec": None}, "spec", "a garment is a shipped name, a file or a GarmentSpec, came nothing"),
-        ({"mannequin": 42}, "--mannequin", "came 42"),
-        ({"fabric": 42}, "--fabric", "a name, a file or a KesSheet is wanted, came 42"),
-        ({"values": 42}, "--set", "came 42"),
-        ({"values": {"length": "x"}}, "--set length", "came 'x'"),
-        ({"grid_mm": "x"}, "--grid", "came 'x'"),
+        ({"mannequin": 42}, "mannequin", "came 42"),
+        ({"fabric": 42}, "fabric", "a name, a file or a KesSheet is wanted, came 42"),
+        ({"values": 42}, "values", "came 42"),
+        ({"values": {"length": "x"}}, "values.length", "came 'x'"),
+        ({"grid_mm": "x"}, "grid_mm", "came 'x'"),
     ],
 )
 def test_the_doctor_finds_arguments_of_another_kind(given: dict[str, Any], key: str, says: str) -> None:
@@ -198,3 +198,20 @@ def test_a_garment_is_read_by_its_name() -> None:
     assert read_spec("straight-skirt") == read_spec(shipped_file("patterns", "straight-skirt"))
     with pytest.raises(FileError, match="did you mean 'straight-skirt'"):
         read_spec("strait-skirt")
+
+
+@pytest.mark.parametrize(
+    ("key", "file", "told"),
+    [
+        ("grid_mm", None, "--grid"),
+        ("values.length", None, "--set length"),
+        ("mannequin", None, "--mannequin"),
+        ("mannequin", "a.yaml", "mannequin"),
+        ("panels.front", None, "panels.front"),
+        (None, None, None),
+    ],
+)
+def test_the_command_line_tells_an_argument_by_its_option(key: str | None, file: str | None, told: str | None) -> None:
+    """The library names arguments; a key of a file is that of the file."""
+    assert option_of(key, file) == told
+    assert by_option(InputError("m", file=file, key=key)).key == told

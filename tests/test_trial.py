@@ -317,7 +317,7 @@ def test_lays_too_few_for_a_usable_tolerance_are_refused(lays: int, case: Garmen
     drapes(AssertionError("draped"))
     run = RUN.invoke(app, ["test", str(tmp_path), "--quiet", "--remake", "--lays", str(lays)])
     assert isinstance(run.exception, InputError)
-    assert f"--lays: {lays} lays; at least 6 are allowed (of 5 a tolerance is 14.3 standard deviations wide" in str(run.exception)
+    assert f"lays: {lays} lays; at least 6 are allowed (of 5 a tolerance is 14.3 standard deviations wide" in str(run.exception)
 
 
 def test_tolerances_as_large_as_what_they_guard_are_told(tmp_path: Path, drapes: Fake) -> None:

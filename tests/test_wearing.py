@@ -295,7 +295,7 @@ def test_a_fabric_in_place_of_the_specs() -> None:
     assert "around the trunk" in waist.message
     assert "around the neck" in neck.message
     (refused,) = examine("knit-top", "woman-88", fabric="strech-twill")
-    assert (refused.severity, refused.key, refused.file) == ("error", "--fabric", None)
+    assert (refused.severity, refused.key, refused.file) == ("error", "fabric", None)
     assert "did you mean 'stretch-twill'" in refused.message
 
 

@@ -48,12 +48,12 @@ def parse_line(text: str) -> BodyLine:
     point, colon, normal = place.partition(":")
     numbers = [_numbers(part) for part in (point, normal)[: 2 if colon else 1]]
     if not name.strip() or not equals or [len(row) for row in numbers] not in ([1], [3, 3]):
-        raise InputError(f"{text[:100]!r} is no line; {_ALLOWED}", key="--line")
+        raise InputError(f"{text[:100]!r} is no line; {_ALLOWED}", key="lines")
     if len(numbers) == 1:
         return BodyLine(name.strip(), horizontal(MM_TO_M * numbers[0][0]))
     across, length = np.array(numbers[1]), float(np.linalg.norm(numbers[1]))
     if length == 0.0:
-        raise InputError(f"{text[:100]!r} has a normal without length; {_ALLOWED}", key="--line")
+        raise InputError(f"{text[:100]!r} has a normal without length; {_ALLOWED}", key="lines")
     return BodyLine(name.strip(), Plane(across / length, MM_TO_M * float(np.array(numbers[0]) @ across) / length))
 
 

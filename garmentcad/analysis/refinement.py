@@ -21,7 +21,7 @@ def error_bars(fine: Mapping[str, Figure], grid_mm: float, coarser: Sequence[tup
     bars: dict[str, float] = {}
     for coarse_mm, coarse in coarser:
         if not coarse_mm > grid_mm:
-            raise InputError(f"a lattice of {coarse_mm:g} mm came; it must be coarser than the {grid_mm:g} mm of the garment", key="--coarser")
+            raise InputError(f"a lattice of {coarse_mm:g} mm came; it must be coarser than the {grid_mm:g} mm of the garment", key="coarser")
         for path, figure in fine.items():
             other = coarse.get(path)
             if figure.value is not None and other is not None and other.value is not None:

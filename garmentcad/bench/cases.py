@@ -29,11 +29,11 @@ def case_names() -> tuple[str, ...]:
 def case_job(name: str, grid_mm: float, fabric: str | None, seed: int) -> Job:
     """The job of a case. fabric: of the garments, in place of their own; W1 keeps its own. InputError for an unknown name or a grid that is refused."""
     if name not in case_names():
-        raise InputError(f"{name[:100]!r} is no case{did_you_mean(name, case_names())}", key="--case")
+        raise InputError(f"{name[:100]!r} is no case{did_you_mean(name, case_names())}", key="case")
     if name != cloth_on_ball.NAME:
         return make_job(name, fabric, grid_mm=grid_mm, seed=seed)
     if not GRID_MM[0] <= grid_mm <= GRID_MM[1]:
-        raise InputError(f"grid of {grid_mm:g} mm; {GRID_MM[0]:g} to {GRID_MM[1]:g} mm is allowed", key="--grid")
+        raise InputError(f"grid of {grid_mm:g} mm; {GRID_MM[0]:g} to {GRID_MM[1]:g} mm is allowed", key="grid_mm")
     return cloth_on_ball.cloth_on_ball(grid_mm, seed)
 
 

@@ -50,8 +50,8 @@ def examine(
     Input that cannot be read at all is a finding too, not an exception. Panels are placed only when they have no errors of their own.
     """
     try:
-        check_grid(as_number(grid_mm, "--grid", "a number of mm"))
-        for key, named, made in (("--mannequin", mannequin, Mannequin), ("--fabric", fabric, KesSheet)):
+        check_grid(as_number(grid_mm, "grid_mm", "a number of mm"))
+        for key, named, made in (("mannequin", mannequin, Mannequin), ("fabric", fabric, KesSheet)):
             if named is not None:
                 refuse_unnamed(named, key, made)
         refuse_no_garment(spec)
@@ -59,12 +59,12 @@ def examine(
         read = spec if isinstance(spec, GarmentSpec) else read_worn(spec)
         if isinstance(read, GarmentSpec):
             garment = with_values(read, values)
-            other = None if fabric is None else _Named(partial(load_fabric, fabric), None, "--fabric")
+            other = None if fabric is None else _Named(partial(load_fabric, fabric), None, "fabric")
             return worst_first(_examine_garment(garment, _read_body(garment, mannequin), grid_mm, other)[1])
         if fabric is not None:
-            raise InputError("an outfit has a fabric for each garment; name them in its file", key="--fabric")
+            raise InputError("an outfit has a fabric for each garment; name them in its file", key="fabric")
         if values:
-            raise InputError("an outfit has values of parameters for each garment; name them in its file", key="--set")
+            raise InputError("an outfit has values of parameters for each garment; name them in its file", key="values")
         return worst_first(_examine_outfit(*read, _read_body(read[0], mannequin), grid_mm))
     except InputError as error:
         return [refusal(fault) for fault in (error, *error.others)]
@@ -91,7 +91,7 @@ def _read_body(spec: GarmentSpec | OutfitSpec, mannequin: str | Path | Mannequin
     try:
         return read_mannequin(mannequin if mannequin is not None else resolve_reference(spec.mannequin, "mannequins", spec_folder(spec)))
     except InputError as error:
-        raise _named_at(error, *((spec.file, "mannequin") if mannequin is None else (None, "--mannequin"))) from None
+        raise _named_at(error, *((spec.file, "mannequin") if mannequin is None else (None, "mannequin"))) from None
 
 
 def _named_at(error: InputError, file: str | None, key: str) -> InputError:

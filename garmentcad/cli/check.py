@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Annotated
 
 import typer
 
-from garmentcad.cli.named import named_numbers
+from garmentcad.cli.named import named_numbers, option_of
 
 
 def check(
@@ -22,7 +22,8 @@ def check(
     """Find what is wrong with a pattern: every finding with its place, its numbers and a remedy. Exit code 2 only if there are errors."""
     from garmentcad.check.examine import examine
 
-    findings = examine(spec, mannequin, grid, fabric, named_numbers(values, "--set"))
+    found = examine(spec, mannequin, grid, fabric, named_numbers(values, "--set"))
+    findings = [replace(finding, key=option_of(finding.key, finding.file)) for finding in found]
     errors = sum(finding.severity == "error" for finding in findings)
     if as_json:
         print(json.dumps({"findings": [asdict(finding) for finding in findings], "errors": errors}))

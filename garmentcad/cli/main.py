@@ -11,6 +11,7 @@ from typer.core import TyperGroup
 
 from garmentcad import __version__
 from garmentcad.cli import bench, check, compare, drape, fabric, fit, importing, mannequin, output, test
+from garmentcad.cli.named import by_option
 from garmentcad.errors import GarmentError, InputError
 
 EXIT_REFUSED, EXIT_NOT_AT_REST, EXIT_INTERRUPTED = 2, 3, 130
@@ -69,7 +70,7 @@ def run() -> None:
     try:
         app()
     except InputError as error:
-        print(f"garmentcad: {error}", file=sys.stderr)
+        print(f"garmentcad: {by_option(error)}", file=sys.stderr)
         sys.exit(EXIT_REFUSED)
     except GarmentError as error:
         print(f"garmentcad: {error}", file=sys.stderr)

@@ -49,7 +49,7 @@ class _Part(NamedTuple):
 def check_grid(grid_mm: float) -> None:
     """InputError for a lattice spacing that no drape takes."""
     if not GRID_MM[0] <= grid_mm <= GRID_MM[1]:
-        raise InputError(f"grid of {grid_mm:g} mm; {GRID_MM[0]:g} to {GRID_MM[1]:g} mm is allowed", key="--grid")
+        raise InputError(f"grid of {grid_mm:g} mm; {GRID_MM[0]:g} to {GRID_MM[1]:g} mm is allowed", key="grid_mm")
 
 
 def build_cloth(

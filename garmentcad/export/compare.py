@@ -97,7 +97,7 @@ def comparison_tables(found: Comparison) -> list[Table]:
 def write_comparison(path: Path, folders: tuple[Path, Path], found: Comparison, view: str, map_name: str) -> Path:
     """Write a comparison as .json, .csv (quantity, a, b, difference, unit) or .png (see `draw_comparison`; both folders must be of this version, then)."""
     if path.suffix not in FORMATS:
-        raise InputError(f"cannot write '{path.suffix or path.name}'; allowed are {', '.join(FORMATS)}", file=str(path), key="--out")
+        raise InputError(f"cannot write '{path.suffix or path.name}'; allowed are {', '.join(FORMATS)}", file=str(path))
     if path.suffix == ".png":
         a, b = (read_result_folder(folder) for folder in folders)
         return write_picture(path, draw_comparison(a, b, found, view, map_name))
@@ -116,7 +116,7 @@ def draw_comparison(a: Result, b: Result, found: Comparison, view: str = "front"
     if map_name != "none":
         for result in (a, b):
             if map_name not in result.maps:
-                raise InputError(f"{result.report.get('garment')} has no map '{map_name}'; it has: {', '.join(result.maps) or 'none'}", key="--map")
+                raise InputError(f"{result.report.get('garment')} has no map '{map_name}'; it has: {', '.join(result.maps) or 'none'}", key="map_name")
         maps = painted_alike(map_name, a.maps[map_name], b.maps[map_name])
     titles = [f"{letter}  {' · '.join(str(result.report.get(key)) for key in COMPARED[:3])}" for letter, result in (("A", a), ("B", b))]
     titles.append(f"A: distance from B; both ways RMS {found.shape.rms_mm:.1f} mm, at most {found.shape.max_mm:.1f} mm")

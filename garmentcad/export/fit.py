@@ -36,7 +36,7 @@ def fit_of(result: Result, lines: Sequence[BodyLine] = (), coarser: Sequence[Res
         for other in coarser:
             unlike = [key for key in SAME_GARMENT if other.report.get(key) != result.report.get(key)]
             if unlike:
-                raise InputError(f"the coarser drape is of another garment: {', '.join(unlike)} differ", key="--coarser")
+                raise InputError(f"the coarser drape is of another garment: {', '.join(unlike)} differ", key="coarser")
         pairs = [(float(other.report["grid_mm"]), figures(_with_lines(other, lines))) for other in coarser]
         made["error_bars"] = error_bars(figures(made), float(result.report["grid_mm"]), pairs)
     return made
@@ -47,14 +47,14 @@ def _with_lines(result: Result, lines: Sequence[BodyLine]) -> dict[str, Any]:
     if not lines:
         return made
     if result.mannequin is None:
-        raise InputError("this result has no mannequin to measure a line on", key="--line")
+        raise InputError("this result has no mannequin to measure a line on", key="lines")
     measured: dict[str, Any] = {}
     for line in lines:
         if line.name in EASE_LINES:
             own = ", ".join(EASE_LINES)
-            raise InputError(f"{line.name!r} is the name of a line that every report has; allowed are names other than {own}", key="--line")
+            raise InputError(f"{line.name!r} is the name of a line that every report has; allowed are names other than {own}", key="lines")
         if line.name in measured:
-            raise InputError(f"the line {line.name} stands twice; each name may stand once", key="--line")
+            raise InputError(f"the line {line.name} stands twice; each name may stand once", key="lines")
         loops = loops_in_plane(result.cloth, result.state.positions, result.mannequin, line.plane)
         names = ("draped_mm", "pattern_mm", "body_mm", "ease_mm", "pattern_ease_mm")
         measured[line.name] = {"+".join(loop.parts): {name: getattr(loop, name) for name in names} for loop in loops}
@@ -64,7 +64,7 @@ def _with_lines(result: Result, lines: Sequence[BodyLine]) -> dict[str, Any]:
 def write_fit(path: Path, fit: Mapping[str, Any]) -> Path:
     """Write a fit as .json (all of it) or .csv (a row a figure: quantity, value, error, unit). InputError for another ending."""
     if path.suffix not in FORMATS:
-        raise InputError(f"cannot write '{path.suffix or path.name}'; allowed are {', '.join(FORMATS)}", file=str(path), key="--out")
+        raise InputError(f"cannot write '{path.suffix or path.name}'; allowed are {', '.join(FORMATS)}", file=str(path))
     if path.suffix == ".json":
         return write_atomic(path, fit_json(fit))
     bars = fit.get("error_bars", {})

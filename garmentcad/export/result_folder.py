@@ -69,7 +69,7 @@ def make_folder(folder: Path) -> None:
 
 
 def _no_folder(folder: Path, error: OSError) -> FileError:
-    return FileError(f"cannot be the folder of a result: {error.strerror or error}", file=str(folder), key="--out")
+    return FileError(f"cannot be the folder of a result: {error.strerror or error}", file=str(folder))
 
 
 def clear_folder(folder: Path, movement: bool) -> None:

@@ -26,8 +26,8 @@ def as_values(values: object) -> dict[str, float]:
     """Values of parameters by name; none for None. InputError for anything else."""
     values = {} if values is None else values
     if not isinstance(values, Mapping) or not all(isinstance(name, str) for name in values):
-        raise InputError(f"a mapping of parameter names to numbers is wanted, came {shown(values)}", key="--set")
-    return {name: as_number(value, f"--set {name}", "a number") for name, value in values.items()}
+        raise InputError(f"a mapping of parameter names to numbers is wanted, came {shown(values)}", key="values")
+    return {name: as_number(value, f"values.{name}", "a number") for name, value in values.items()}
 
 
 def refuse_unnamed(named: object, key: str, made: type | None = None) -> None:

@@ -29,7 +29,7 @@ def held_folder(folder: Path) -> Iterator[None]:
             if fcntl is not None:
                 fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            raise FileError("another drape is writing into this folder", file=str(folder), key="--out") from None
+            raise FileError("another drape is writing into this folder", file=str(folder)) from None
         except OSError:
             pass
         yield

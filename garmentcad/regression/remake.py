@@ -32,7 +32,7 @@ def remake(case: GarmentTestCase, lays: int, say: Callable[[str], None], look: C
     """
     if lays < FEWEST_LAYS:
         wide = f"of {FEWEST_LAYS - 1} a tolerance is {factor(FEWEST_LAYS - 1):.3g} standard deviations wide, of fewer still more: it holds for almost anything"
-        raise InputError(f"{lays} lays; at least {FEWEST_LAYS} are allowed ({wide})", key="--lays")
+        raise InputError(f"{lays} lays; at least {FEWEST_LAYS} are allowed ({wide})", key="lays")
     if not case.test.baseline:
         raise SpecError("the test names no keys of which a baseline could be made", file=str(case.file), key="baseline")
     job = job_of(case)

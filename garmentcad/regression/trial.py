@@ -27,8 +27,6 @@ from garmentcad.simulation.job import Job, make_job
 
 AT_REST: dict[str, Expected] = {"status": "converged"}  # of every test that says nothing else of it
 
-_KEYS = {"--grid": "grid_mm", "--max-time": "max_time_s"}  # in a test, of what are options elsewhere
-
 
 @dataclass(frozen=True)
 class Trial:
@@ -69,7 +67,7 @@ def job_of(case: GarmentTestCase) -> Job:
     except InputError as error:
         if error.file is not None:
             raise
-        raise type(error)(error.message, file=str(case.file), key=_KEYS.get(error.key or "", error.key), others=error.others) from None
+        raise type(error)(error.message, file=str(case.file), key=error.key, others=error.others) from None
     known = known_values(job.pattern)
     for place, keys in (("report", test.report), ("baseline", [key for key in test.baseline if key != SHAPE])):
         refuse_unknown_keys(keys, known, str(case.file), place)

@@ -89,16 +89,16 @@ def make_job(
     """Read everything that a drape needs. spec: a shipped name, a file, or a model; fabric, mannequin: a shipped name, a file, or a sheet or body, in place of
     the spec's own; grid_mm: spacing of the lattice (2 to 50); seed: of the 0.01 mm jitter of the start; mode: 'drape' for the shape at rest, 'dynamics' for
     motion with true masses; max_time_s: most simulated seconds (up to 600); pose: key frames, a shipped name or a file; values: of parameters, in place of
-    the spec's. InputError for anything that is refused; it names the option that the command line has for an argument."""
-    grid_mm, max_time_s = as_number(grid_mm, "--grid", "a number of mm"), as_number(max_time_s, "--max-time", "a number of simulated seconds")
+    the spec's. InputError for anything that is refused."""
+    grid_mm, max_time_s = as_number(grid_mm, "grid_mm", "a number of mm"), as_number(max_time_s, "max_time_s", "a number of simulated seconds")
     check_grid(grid_mm)
     if not 0.0 < max_time_s <= 600.0:
-        raise InputError(f"{max_time_s:g} simulated seconds; more than 0 and at most 600 are allowed", key="--max-time")
+        raise InputError(f"{max_time_s:g} simulated seconds; more than 0 and at most 600 are allowed", key="max_time_s")
     if isinstance(seed, bool) or not isinstance(seed, Integral) or seed < 0:
-        raise InputError(f"seed {shown(seed)}; 0 or a positive whole number is allowed", key="--seed")
+        raise InputError(f"seed {shown(seed)}; 0 or a positive whole number is allowed", key="seed")
     if mode not in get_args(Mode):
-        raise InputError(f"mode {shown(mode)}; {' or '.join(get_args(Mode))} is allowed", key="--mode")
-    for key, named, made in (("--fabric", fabric, KesSheet), ("--mannequin", mannequin, Mannequin), ("--pose", pose, None)):
+        raise InputError(f"mode {shown(mode)}; {' or '.join(get_args(Mode))} is allowed", key="mode")
+    for key, named, made in (("fabric", fabric, KesSheet), ("mannequin", mannequin, Mannequin), ("pose", pose, None)):
         if named is not None:
             refuse_unnamed(named, key, made)
     refuse_no_garment(spec)
@@ -114,9 +114,9 @@ def make_job(
         worn: tuple[GarmentSpec, ...] = ()
     else:
         if fabric is not None:
-            raise InputError("an outfit has a fabric for each garment; name them in its file", key="--fabric")
+            raise InputError("an outfit has a fabric for each garment; name them in its file", key="fabric")
         if values:
-            raise InputError("an outfit has values of parameters for each garment; name them in its file", key="--set")
+            raise InputError("an outfit has values of parameters for each garment; name them in its file", key="values")
         (outfit, worn), folder = model, spec_folder(model[0])
         body = _body(outfit, mannequin)
         pattern, fabrics = _dressed(outfit, worn, body.measurements_mm)

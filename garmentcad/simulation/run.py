@@ -102,7 +102,7 @@ def check_size(job: Job) -> None:
     count = int(area_mm2 / job.grid_mm**2)
     if count > MAX_PARTICLES:
         message = f"{area_mm2 * 1e-6:.2f} m2 at a grid of {job.grid_mm:g} mm are about {count} particles; at most {MAX_PARTICLES} are allowed"
-        raise LimitError(message, key="--grid")
+        raise LimitError(message, key="grid_mm")
 
 
 def grids_of(job: Job) -> tuple[float, ...]:
