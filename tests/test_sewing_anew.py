@@ -55,8 +55,10 @@ def skirt(max_time_s: float = 2.2) -> Job:
 def test_one_that_fails_is_placed_anew(monkeypatch: pytest.MonkeyPatch, stuck: bool) -> None:
     sewing = Sewing(1, stuck)
     monkeypatch.setattr(run, "close_seams", sewing)
-    outcome = run.run(skirt(), lambda progress: None)
+    phases: list[str] = []
+    outcome = run.run(skirt(), lambda progress: phases.append(progress.phase))
     first, second = sewing.starts
+    assert list(dict.fromkeys(phases)) == ["close anew", "fall"]
     assert 0.1 * JITTER_M < np.abs(second - first).max() < 20.0 * JITTER_M
     assert sewing.all_or_none == [True, False], "the last one sews what it can"
     assert outcome.welding.open_seams == []
@@ -68,7 +70,9 @@ def test_one_that_fails_is_placed_anew(monkeypatch: pytest.MonkeyPatch, stuck: b
 def test_one_that_closes_is_not(monkeypatch: pytest.MonkeyPatch) -> None:
     sewing = Sewing(0)
     monkeypatch.setattr(run, "close_seams", sewing)
-    outcome = run.run(skirt(), lambda progress: None)
+    phases: list[str] = []
+    outcome = run.run(skirt(), lambda progress: phases.append(progress.phase))
+    assert phases[0] == "close"
     assert len(sewing.starts) == 1
     assert not any(ANEW in warning for warning in outcome.warnings)
 

@@ -46,7 +46,7 @@ from garmentcad.simulation.mend import off_body, turned_out
 from garmentcad.simulation.pressing import imposed_angles, laid_angles, press, under_iron
 from garmentcad.simulation.refine import refined, refined_sliders
 from garmentcad.simulation.resume import refuse_course, refuse_memory, refuse_shape
-from garmentcad.simulation.sewing import Welding, close_seams, hold, weld_state
+from garmentcad.simulation.sewing import SEWING, Welding, close_seams, hold, weld_state
 from garmentcad.simulation.start import refuse_tangled
 from garmentcad.solve.dynamics import DivergedError, Dynamics, IntersectingError
 from garmentcad.solve.hardware import button_shanks, hardware_rows, pin_rows, redundance_message, redundances
@@ -68,7 +68,6 @@ UNREFINED = "unrefined"  # in State.run: the garment was sewn on the lattice of 
 # Cloth may be caught between seams that close around it: the tip of one leg of trousers lay under that of the other and held both inseams 4 mm open, in one
 # start of five that differ by JITTER_M. What does not close is placed anew, with another jitter, so many times in all: then it is a matter of the pattern.
 SEWINGS = 2
-_SEWING = "sewing"  # in State.run: which of them it is, from 0
 
 
 class Interrupted(KeyboardInterrupt):
@@ -243,7 +242,7 @@ class _Run:
         if self.state is None:
             self.state = self._placed_state(flat, start, 0)
         self._begin(dynamics)
-        sewing = int(self.state.run.get(_SEWING, 0.0)) + 1
+        sewing = int(self.state.run.get(SEWING, 0.0)) + 1
         pull = CLOSING_OVER_N_M if len(self.job.worn) > 1 else CLOSING_PULL_N_M
         failed: DivergedError | IntersectingError | None = None
         welding = Welding()
@@ -283,7 +282,7 @@ class _Run:
         positions = self._placed + JITTER_M * jitter
         state = State(positions, np.zeros_like(positions), phase="close", fold_angles=np.zeros(len(flat.fold_names)), said=tuple(self.warnings))
         if sewing > 0:
-            state.run[_SEWING] = float(sewing)
+            state.run[SEWING] = float(sewing)
         if flat.spacing == MM_TO_M * self.job.grid_mm:
             state.run[UNREFINED] = 1.0
         return state
@@ -358,7 +357,7 @@ class _Run:
         self.warnings += [redundance_message(found) for found in redundances(self._hardware(cloth), cloth, self.job.mannequin)]
         for name, share in panels_at_limit(cloth, self.state.positions, dynamics.limit).items():
             self.warnings.append(f"panel '{name}' is too tight: {100.0 * share:.0f} % of its links are stretched to the limit of the fabric (1.5 Fm)")
-        if _SEWING in self.state.run:
+        if SEWING in self.state.run:
             self.warnings.append("seams did not close the first time: the panels were placed once more, a hundredth of a millimetre aside")
         if STANDS in self.state.run:
             self.warnings.append("the garment stands still out of balance: forces are left that nothing answers, as where links are at the limit of the fabric")

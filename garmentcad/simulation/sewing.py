@@ -31,6 +31,7 @@ from garmentcad.simulation.course import (
 )  # fmt: skip
 from garmentcad.solve.dynamics import Dynamics
 
+SEWING = "sewing"  # in State.run: how many times the panels were sewn before
 WIDEST_WELD_MM = 1.0  # a seam that was wider open when it was welded did not close
 HELD_M = 1e-3  # gap of pins and buttons at which cloth is dressed; they go on to close afterwards
 HOLDING_RATE = 1000.0  # 1/s, of pins once the seams are welded
@@ -137,9 +138,10 @@ def _close(
     between = np.concatenate([layered, np.zeros(len(hardware.targets), dtype=bool)])
     dynamics.equalise, dynamics.drag = True, CLOSING_DRAG
     dynamics.speed_cap_m_s = SPEED_CAP_M_S
+    told = f"{state.phase} anew" if SEWING in state.run else state.phase
     while True:
         gaps, speeds = dynamics.constraint_errors(state)
-        look(Progress(state.phase, state.step, state.time_s, float(gaps.max(initial=0.0)) * 1e3, None, dynamics.measures(state)[2], None))
+        look(Progress(told, state.step, state.time_s, float(gaps.max(initial=0.0)) * 1e3, None, dynamics.measures(state)[2], None))
         leniency = closing_leniency(state.time_s - since)
         closed = bool(np.all(gaps[:sewn] < np.maximum(caught, leniency * CLOSED_M))) and gaps[sewn:].max(initial=0.0) < leniency * HELD_M
         if closed or state.time_s >= min(since + CLOSING_CAP_S, until_s):
