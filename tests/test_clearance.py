@@ -103,6 +103,33 @@ def test_what_a_rule_wrapped_parts_upward_and_downward_and_what_is_worn_stays() 
     assert move.panel == "above"
 
 
+def test_wrapped_halves_beside_each_other_part_sideways() -> None:
+    """Two halves of a back whose edges cross in a wedge, as one of them is turned: up and down they would have to go as far as the edges are long."""
+    panels = {
+        name: {
+            "points": {"a": [low, -500], "b": [low + 150, -500], "c": [low + 150, 0], "d": [low, 0]},
+            "edges": [{"name": f"e{k}", "from": "abcd"[k], "to": "bcda"[k]} for k in range(4)],
+            "placement": {"transform": {"translation": [way, 1000, 0], "rotation": [0, 0, turn]}},
+        }
+        for name, low, way, turn in (("right", 0, 5, -2), ("left", -150, -5, 0))
+    }
+    pattern = draft(parse_spec({"name": "halves", "fabric": "x", "mannequin": "post", "panels": panels}), {})
+    cloth = build_cloth(pattern, lambda _, points: np.zeros(len(points), dtype=np.int32), materials(0.2), 20.0)
+    positions = place_vertices(pattern, cloth, body())
+    angle = positions[:, 0] / 0.12
+    positions[:, 0], positions[:, 2] = 0.12 * np.sin(angle), 0.12 * np.cos(angle)
+    wrapped = Wrap("post", (0.0, 0.0), 0.0, 500.0, 20.0, 1.0)
+    pattern = replace(pattern, panels={name: replace(panel, placement=wrapped) for name, panel in pattern.panels.items()})
+    assert len(crossing_triangle_pairs(positions, cloth.triangles)) > 0
+    moves = clearing_moves(pattern, cloth, positions, body())
+    assert {move.panel for move in moves} == {"left", "right"}
+    for move in moves:
+        x, y, z = move.by_m
+        assert y == 0.0
+        assert abs(z) < 0.3 * abs(x) <= 0.3 * 0.02
+    assert len(crossing_triangle_pairs(move_panels(cloth, positions, moves), cloth.triangles)) == 0
+
+
 def test_panels_in_one_place_are_judged_up_to_their_first_crossing(monkeypatch: pytest.MonkeyPatch) -> None:
     """Every verdict on coplanar panels takes exact arithmetic, and there are thousands of near triangles in each of some 25 rounds."""
     pattern, cloth, positions = started(front=([-100, 500, 200], [0, 0, 0]), back=([-100, 500, 200], [0, 0, 0]))

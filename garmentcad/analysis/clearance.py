@@ -38,8 +38,9 @@ def clearing_moves(pattern: Pattern, cloth: Cloth, positions: np.ndarray, manneq
     """Moves after which no two panels touch, and those that lie flat (placed by a transform) do not touch the body. Empty where they do not anyway.
 
     positions (V,3) m: vertices as placed. Two panels part along the line between their middles; a panel leaves the body on its right side, which is the
-    outer one. What a mapping rule wrapped around the body stays for a flat one, and parts from another wrapped one upward and downward. What is `worn` already
-    stays for all. Where many rounds do not help, the panels are left as they are: whoever starts looks again.
+    outer one. What a mapping rule wrapped around the body stays for a flat one, and parts from another wrapped one sideways or, where one is more above than
+    beside the other, upward and downward. What is `worn` already stays for all. Where many rounds do not help, the panels are left as they are: whoever starts
+    looks again.
     """
     count = len(cloth.panel_names)
     free = np.array([name not in worn for name in pattern.panels])
@@ -62,7 +63,7 @@ def clearing_moves(pattern: Pattern, cloth: Cloth, positions: np.ndarray, manneq
             length = norm(apart)
             direction = apart / length if length > STEP_M else normals[a]
             if not flat[a] and not flat[b]:
-                direction = np.array([0.0, math.copysign(1.0, direction[1]), 0.0])
+                direction = _level_or_upright(apart)
             for panel, other, way in ((a, b, direction), (b, a, -direction)):
                 if flat[panel] or (free[panel] and not flat[other]):
                     moves[panel] += STEP_M * way
@@ -79,6 +80,14 @@ def move_panels(cloth: Cloth, positions: np.ndarray, moves: list[Move]) -> np.nd
     for move in moves:
         by[cloth.panel_names.index(move.panel)] = move.by_m
     return positions + by[cloth.vertex_panel]
+
+
+def _level_or_upright(apart: np.ndarray) -> np.ndarray:
+    """What two wrapped panels whose middles are `apart` part along: halves that lie beside each other sideways, bands one above the other upward and downward.
+    On a slant they would go into the body."""
+    across = np.array([apart[0], 0.0, apart[2]])
+    length = norm(across)
+    return across / length if length > max(STEP_M, abs(apart[1])) else np.array([0.0, math.copysign(1.0, apart[1]), 0.0])
 
 
 def _right_side(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
