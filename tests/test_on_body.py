@@ -1,4 +1,4 @@
-"""What is read off a cloth at rest against closed forms: the hanging strip, the stretched band, the loose tube, the hanging skirt and the sewn strips.
+"""What is read off a cloth at rest against closed forms: the hanging strip, the stretched band, the loose tube, the hanging skirt, sewn strips and gathers.
 
 The stepper of every run brings them to rest; what is asserted comes from analysis and statics alone.
 """
@@ -6,6 +6,7 @@ The stepper of every run brings them to rest; what is asserted comes from analys
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -223,3 +224,26 @@ def test_seam_carries_what_hangs_on_it(slant_deg: float) -> None:
     assert found.mean_n_m == pytest.approx(pull * cosine**2, rel=0.02)
     assert found.along_n_m == pytest.approx(pull * sine * cosine, abs=0.02 * pull)
     assert found.max_n_m == pytest.approx(pull * cosine**2, rel=0.2)
+
+
+def test_gathers_do_not_push_their_seam_apart() -> None:
+    """A valance of 300 mm that is gathered into 200 mm hangs in folds, and its seam carries what it weighs. (Squeezed to the length of the seam, its cloth pushed
+    with 500 N/m / 3, and the threads carried 15 times as much.)"""
+    width, long, deep, materials = 200.0, 300.0, 150.0, fabric(500.0)
+    panels = [rectangle(width, 40.0, name="rail"), rectangle(long, deep, name="valance")]
+    flat, cloth = sewn(panels, (Seam("seam", (EdgeUse("rail", 0, False),), (EdgeUse("valance", 2, True),)),), 10.0, materials)
+    of_valance = flat.vertex_panel == 1
+    x, y = (flat.vertex_uv_mm * np.where(of_valance[:, None], [width / long, 1.0], 1.0) - np.where(of_valance[:, None], [0.0, deep], 0.0)).T
+    # four waves, whose slope takes up the length, from 40 mm below the seam on
+    fold = np.where(of_valance, 17.0 * np.sin(8.0 * math.pi * x / width) * np.minimum(1.0, -y / 40.0), 0.0)
+    held = np.zeros(cloth.particle_count, dtype=bool)
+    held[cloth.vertex_particle[cloth.edge_vertices["rail.e2"]]] = True
+    hung = Rest(cloth, materials, by_particle(cloth, 1e-3 * np.column_stack([x, y, fold])), 1.5, 30.0, held)
+    gathered = replace(flat, border=cloth.border._replace(corners=flat.border.corners))
+    where, forces = hung.positions[cloth.vertex_particle], np.empty((len(flat.vertex_uv_mm), 3))
+    ForceAssembly(internal_forces(gathered, materials), flat.particle_count, [ForceGravity(flat.masses)]).add_up(where, np.zeros_like(where), forces)
+    found = seam_tension(gathered, where, forces)["seam"]
+    assert found is not None
+    weight = W * GRAVITY_M_S2 * 1e-6 * long * deep
+    assert found.length_mm == pytest.approx(width)
+    assert found.mean_n_m == pytest.approx(weight / (1e-3 * width), rel=0.05)

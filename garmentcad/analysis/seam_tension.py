@@ -5,8 +5,8 @@ the seam holds: at rest f_a + f_b = 0 but for what touches the sewn particle and
 
     F = (f_a - f_b) / 2
 
-at each stitch, divided by the rest length that the stitch stands for (the mean of both sides). Its part across the seam, positive where it pulls the panels
-apart, is the tension; its part along the seam is the shear that makes a seam slip or pucker.
+at each stitch, divided by the rest length that the stitch stands for (the mean of both sides; of gathers the shorter one, which they are drawn into). Its
+part across the seam, positive where it pulls the panels apart, is the tension; its part along the seam is the shear that makes a seam slip or pucker.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from garmentcad.cloth.cloth import Cloth
+from garmentcad.cloth.gathers import EASED
 from garmentcad.units import MM_TO_M
 
 _LONGEST_STEP = 1.01  # of the lattice spacing: neighbours on an outline lie no farther apart
@@ -79,7 +80,8 @@ def _lengths_and_ways(flat: Cloth, a: np.ndarray, b: np.ndarray, middle: np.ndar
         # a side that goes on in another panel, or elsewhere on the outline, has no length there
         joined = (flat.vertex_panel[one] == flat.vertex_panel[other]) & (step < _LONGEST_STEP * flat.spacing)
         steps.append(np.where(joined, step, 0.0))
-    step = np.where((steps[0] > 0.0) & (steps[1] > 0.0), 0.5 * (steps[0] + steps[1]), np.maximum(*steps))
+    shorter, longer = np.minimum(*steps), np.maximum(*steps)
+    step = np.where(shorter > 0.0, np.where(longer > EASED * shorter, shorter, 0.5 * (shorter + longer)), longer)
     length = 0.5 * (np.append(step, 0.0) + np.append(0.0, step))
     way = np.gradient(middle, axis=0) if len(a) > 1 else np.zeros((len(a), 3))
     size = np.linalg.norm(way, axis=1, keepdims=True)
