@@ -39,7 +39,7 @@ from garmentcad.pattern.pattern import Panel
 from garmentcad.placement.outside import around_worn
 from garmentcad.placement.place import place_vertices
 from garmentcad.simulation.checkpoint import load_state, save_state
-from garmentcad.simulation.course import CLOSING_OVER_N_M, CLOSING_PULL_N_M, LOOSE_SOFTNESS, SOFTNESS, STANDS, Course, Progress
+from garmentcad.simulation.course import CLOSING_OVER_N_M, CLOSING_PULL_N_M, SOFTNESS, STANDS, Course, Progress
 from garmentcad.simulation.job import Job
 from garmentcad.simulation.materials import lay_out
 from garmentcad.simulation.mend import off_body, turned_out
@@ -201,9 +201,9 @@ class _Run:
             hold(dynamics, self.state, pin_rows(hardware))
             self._begin(dynamics)
             last = level == len(grids) - 1
-            softness = SOFTNESS if self.job.pattern.seams else LOOSE_SOFTNESS
+            loose = not self.job.pattern.seams
             buttoned, banded = bool(self.job.pattern.buttons), bool(self.job.pattern.bands)
-            course = Course(dynamics, soften_all, self.job.mode, self.job.max_time_s, softness, last, buttoned, buttoned or banded)
+            course = Course(dynamics, soften_all, self.job.mode, self.job.max_time_s, loose, last, buttoned, buttoned or banded)
             try:
                 status = course.run(self.state, self.keep)
             except (DivergedError, IntersectingError) as error:
