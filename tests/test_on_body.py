@@ -227,7 +227,7 @@ def test_seam_carries_what_hangs_on_it(slant_deg: float) -> None:
 
 
 def test_gathers_do_not_push_their_seam_apart() -> None:
-    """A valance of 300 mm that is gathered into 200 mm hangs in folds, and its seam carries what it weighs. (Squeezed to the length of the seam the cloth pushed
+    """A valance of 300 mm that is gathered into 200 mm hangs in folds, and its seam carries what it weighs. (Squeezed to the length of the seam cloth pushed
     with 500 N/m / 3, and the threads carried 15 times as much.)"""
     width, long, deep, materials = 200.0, 300.0, 150.0, fabric(500.0)
     panels = [rectangle(width, 40.0, name="rail"), rectangle(long, deep, name="valance")]
