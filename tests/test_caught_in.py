@@ -98,7 +98,7 @@ def test_the_seam_must_be_there() -> None:
     seam = {"name": "third", "a": ["one.ab.a", "one.ab.b"], "b": ["two.cd.d", "two.cd.c"], "caught_in": "wiast"}
     first = {"name": "waist", "a": ["one.bc.b", "one.bc.c"], "b": ["two.da.a", "two.da.d"]}
     spec = {"schema": 1, "units": "mm", "name": "x", "fabric": "denim", "mannequin": "woman-88", "panels": {"one": square, "two": square}}
-    with pytest.raises(SpecError, match=r"seams\.1\.caught_in.*'wiast'.*waist"):
+    with pytest.raises(SpecError, match=r"seams\.third\.caught_in.*'wiast'.*waist"):
         draft(parse_spec(spec | {"seams": [first, seam]}), {})
 
 

@@ -107,7 +107,7 @@ def test_wrapped_halves_beside_each_other_part_sideways() -> None:
     """Two halves of a back whose edges cross in a wedge, as one of them is turned: up and down they would have to go as far as the edges are long."""
     panels = {
         name: {
-            "points": {"a": [low, -500], "b": [low + 150, -500], "c": [low + 150, 0], "d": [low, 0]},
+            "points": {"a": [low, -900], "b": [low + 150, -900], "c": [low + 150, 0], "d": [low, 0]},
             "edges": [{"name": f"e{k}", "from": "abcd"[k], "to": "bcda"[k]} for k in range(4)],
             "placement": {"transform": {"translation": [way, 1000, 0], "rotation": [0, 0, turn]}},
         }

@@ -38,10 +38,15 @@ def clearing_moves(pattern: Pattern, cloth: Cloth, positions: np.ndarray, manneq
     """Moves after which no two panels touch, and those that lie flat (placed by a transform) do not touch the body. Empty where they do not anyway.
 
     positions (V,3) m: vertices as placed. Two panels part along the line between their middles; a panel leaves the body on its right side, which is the
-    outer one. What a mapping rule wrapped around the body stays for a flat one, and parts from another wrapped one sideways or, where one is more above than
-    beside the other, upward and downward. What is `worn` already stays for all. Where many rounds do not help, the panels are left as they are: whoever starts
-    looks again.
+    outer one. What a mapping rule wrapped around the body stays for a flat one, and parts from another wrapped one upward and downward or, where many rounds of
+    that do not help, sideways. What is `worn` already stays for all. Where nothing helps, the panels are left as they are: whoever starts looks again.
     """
+    upright = _moves(pattern, cloth, positions, mannequin, worn, False)
+    return upright if upright is not None else _moves(pattern, cloth, positions, mannequin, worn, True) or []
+
+
+def _moves(pattern: Pattern, cloth: Cloth, positions: np.ndarray, mannequin: Mannequin, worn: Collection[str], sideways: bool) -> list[Move] | None:
+    """None where many rounds do not help. sideways: which way wrapped panels part."""
     count = len(cloth.panel_names)
     free = np.array([name not in worn for name in pattern.panels])
     flat = free & np.array([isinstance(panel.placement, Transform) for panel in pattern.panels.values()])
@@ -63,7 +68,7 @@ def clearing_moves(pattern: Pattern, cloth: Cloth, positions: np.ndarray, manneq
             length = norm(apart)
             direction = apart / length if length > STEP_M else normals[a]
             if not flat[a] and not flat[b]:
-                direction = _level_or_upright(apart)
+                direction = _level(apart) if sideways else np.array([0.0, math.copysign(1.0, direction[1]), 0.0])
             for panel, other, way in ((a, b, direction), (b, a, -direction)):
                 if flat[panel] or (free[panel] and not flat[other]):
                     moves[panel] += STEP_M * way
@@ -71,7 +76,7 @@ def clearing_moves(pattern: Pattern, cloth: Cloth, positions: np.ndarray, manneq
                     reasons[panel].add(f"panel {cloth.panel_names[other]}")
         if np.array_equal(before, moves):
             return [Move(cloth.panel_names[k], moves[k] + reserve[k], tuple(sorted(reasons[k]))) for k in range(count) if reasons[k]]
-    return []
+    return None
 
 
 def move_panels(cloth: Cloth, positions: np.ndarray, moves: list[Move]) -> np.ndarray:
@@ -82,12 +87,11 @@ def move_panels(cloth: Cloth, positions: np.ndarray, moves: list[Move]) -> np.nd
     return positions + by[cloth.vertex_panel]
 
 
-def _level_or_upright(apart: np.ndarray) -> np.ndarray:
-    """What two wrapped panels whose middles are `apart` part along: halves that lie beside each other sideways, bands one above the other upward and downward.
-    On a slant they would go into the body."""
+def _level(apart: np.ndarray) -> np.ndarray:
+    """The unit vector along the level part of `apart` (3,): on a slant wrapped panels would go into the body."""
     across = np.array([apart[0], 0.0, apart[2]])
     length = norm(across)
-    return across / length if length > max(STEP_M, abs(apart[1])) else np.array([0.0, math.copysign(1.0, apart[1]), 0.0])
+    return across / length if length > 0.0 else np.array([1.0, 0.0, 0.0])
 
 
 def _right_side(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:

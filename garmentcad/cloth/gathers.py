@@ -1,8 +1,9 @@
 """Gathers: along a seam that draws in much more cloth than it is long, the strip beside it rests as long as the seam.
 
 What a gathering thread draws in lies in tucks between its stitches, finer than any lattice. Cloth that is squeezed flat to the length of the seam, as the
-triangles on it were, resists by its tensile curve: half as much cloth again pushed a waist seam apart with some 4 N on each side, which no gathers do. So
-a border triangle whose edge is sewn to a much shorter one has that one's length at rest. Folds begin beside it, where the lattice has them.
+triangles on it were, resists by its tensile curve: the threads of a waist seam that gathers half as much cloth again carried 45 N/m where what hung from
+them weighed 0.76. So a border triangle whose edge is sewn to a much shorter one has that one's length at rest. Folds begin beside it, where the lattice has
+them.
 """
 
 from __future__ import annotations
@@ -32,8 +33,8 @@ def gathered(border: BorderTriangles, row: np.ndarray, corner: np.ndarray) -> Bo
     gradients = np.stack([border.warp_gradient, border.weft_gradient])
     for k in range(3):
         mine = np.flatnonzero(most.reshape(-1, 3)[:, k])
-        far = np.stack([border.weft_gradient[mine, k], -border.warp_gradient[mine, k]])
-        along = far / np.linalg.norm(far, axis=0)
+        edge = np.stack([border.weft_gradient[mine, k], -border.warp_gradient[mine, k]])
+        along = edge / np.linalg.norm(edge, axis=0)
         # What is measured along the edge counts as so many times as long.
         gradients[:, mine] += (most[3 * mine + k] - 1.0)[:, None] * along[:, :, None] * np.einsum("an,ank->nk", along, gradients[:, mine])
     return border._replace(warp_gradient=frozen(floats(gradients[0])), weft_gradient=frozen(floats(gradients[1])))
