@@ -76,6 +76,17 @@ def test_panels_that_cross_in_depth() -> None:
     assert len(crossing_triangle_pairs(move_panels(cloth, positions, moves), cloth.triangles)) == 0
 
 
+def around_post(panels: dict[str, Any], grid_mm: float) -> Any:
+    """Panels in the plane z = 0, laid around the post as a mapping rule would lay them."""
+    pattern = draft(parse_spec({"name": "wrapped", "fabric": "x", "mannequin": "post", "panels": panels}), {})
+    cloth = build_cloth(pattern, lambda _, points: np.zeros(len(points), dtype=np.int32), materials(0.2), grid_mm)
+    positions = place_vertices(pattern, cloth, body())
+    angle = positions[:, 0] / 0.12
+    positions[:, 0], positions[:, 2] = 0.12 * np.sin(angle), 0.12 * np.cos(angle)
+    wrapped = Wrap("post", (0.0, 0.0), 0.0, 500.0, 20.0, 1.0)
+    return replace(pattern, panels={name: replace(panel, placement=wrapped) for name, panel in pattern.panels.items()}), cloth, positions
+
+
 def test_what_a_rule_wrapped_parts_upward_and_downward_and_what_is_worn_stays() -> None:
     """Two bands around a post, one askew: they cross in a corner."""
     wraps = {"above": (560, 4.0), "below": (505, 0.0)}
@@ -87,14 +98,7 @@ def test_what_a_rule_wrapped_parts_upward_and_downward_and_what_is_worn_stays() 
         }
         for name, (height, turn) in wraps.items()
     }
-    pattern = draft(parse_spec({"name": "bands", "fabric": "x", "mannequin": "post", "panels": panels}), {})
-    cloth = build_cloth(pattern, lambda _, points: np.zeros(len(points), dtype=np.int32), materials(0.2), 10.0)
-    positions = place_vertices(pattern, cloth, body())
-    # as a mapping rule would lay them: around the post
-    angle = positions[:, 0] / 0.12
-    positions[:, 0], positions[:, 2] = 0.12 * np.sin(angle), 0.12 * np.cos(angle)
-    wrapped = Wrap("post", (0.0, 0.0), 0.0, 500.0, 20.0, 1.0)
-    pattern = replace(pattern, panels={name: replace(panel, placement=wrapped) for name, panel in pattern.panels.items()})
+    pattern, cloth, positions = around_post(panels, 10.0)
     assert len(crossing_triangle_pairs(positions, cloth.triangles)) > 0
     moves = clearing_moves(pattern, cloth, positions, body())
     assert {move.panel: (move.by_m[1] > 0.0, move.by_m[[0, 2]].tolist()) for move in moves} == {"above": (True, [0.0, 0.0]), "below": (False, [0.0, 0.0])}
@@ -113,13 +117,7 @@ def test_wrapped_halves_beside_each_other_part_sideways() -> None:
         }
         for name, low, way, turn in (("right", 0, 5, -2), ("left", -150, -5, 0))
     }
-    pattern = draft(parse_spec({"name": "halves", "fabric": "x", "mannequin": "post", "panels": panels}), {})
-    cloth = build_cloth(pattern, lambda _, points: np.zeros(len(points), dtype=np.int32), materials(0.2), 20.0)
-    positions = place_vertices(pattern, cloth, body())
-    angle = positions[:, 0] / 0.12
-    positions[:, 0], positions[:, 2] = 0.12 * np.sin(angle), 0.12 * np.cos(angle)
-    wrapped = Wrap("post", (0.0, 0.0), 0.0, 500.0, 20.0, 1.0)
-    pattern = replace(pattern, panels={name: replace(panel, placement=wrapped) for name, panel in pattern.panels.items()})
+    pattern, cloth, positions = around_post(panels, 20.0)
     assert len(crossing_triangle_pairs(positions, cloth.triangles)) > 0
     moves = clearing_moves(pattern, cloth, positions, body())
     assert {move.panel for move in moves} == {"left", "right"}

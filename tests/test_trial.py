@@ -28,7 +28,7 @@ from garmentcad.io.garment_test_file import GarmentTestCase, read_garment_tests
 from garmentcad.regression import lays as lays_module
 from garmentcad.regression.junit import write_junit
 from garmentcad.regression.remake import UnfitBaselineError, remake
-from garmentcad.regression.trial import prepare, run_trial
+from garmentcad.regression.trial import job_of, prepare, run_trial
 from garmentcad.simulation.job import Job
 from garmentcad.simulation.run import Interrupted
 
@@ -273,6 +273,12 @@ def test_all_is_refused_before_the_first_drape(case: GarmentTestCase, drapes: Fa
     run = RUN.invoke(app, ["test", str(tmp_path), "--quiet"])
     assert isinstance(run.exception, InputError)  # `main.run` makes it exit code 2
     assert says in str(run.exception)
+
+
+def test_a_name_with_a_star_may_mean_words_beside_numbers(tmp_path: Path) -> None:
+    report = "report: {'stat*': converged, '*.numpy': '2.0', '*.total': [0, 100], "
+    job = job_of(case_in(tmp_path, TEST.replace("report: {", report)))
+    assert job.pattern.name == "band"
 
 
 def test_baselines_are_made_of_lays(tmp_path: Path, drapes: Fake) -> None:

@@ -46,7 +46,7 @@ def clearing_moves(pattern: Pattern, cloth: Cloth, positions: np.ndarray, manneq
 
 
 def _moves(pattern: Pattern, cloth: Cloth, positions: np.ndarray, mannequin: Mannequin, worn: Collection[str], sideways: bool) -> list[Move] | None:
-    """None where many rounds do not help. sideways: which way wrapped panels part."""
+    """As `clearing_moves`, which has the arguments; None where many rounds do not help. sideways: which way wrapped panels part."""
     count = len(cloth.panel_names)
     free = np.array([name not in worn for name in pattern.panels])
     flat = free & np.array([isinstance(panel.placement, Transform) for panel in pattern.panels.values()])

@@ -93,6 +93,7 @@ class _SewnEdges(NamedTuple):
 
 
 def _sewn_edges(cloth: Cloth, particle: np.ndarray) -> _SewnEdges:
+    """Of a cloth whose particles (P,) become `particle` (see `welded_particles`)."""
     border = cloth.border
     ends = np.concatenate([border.corners[:, [k, (k + 1) % 3]] for k in range(3)])
     triangle = np.tile(np.arange(len(border.corners)), 3)

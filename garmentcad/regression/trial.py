@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from fnmatch import filter as filter_names
 from pathlib import Path
 from typing import get_args
 
@@ -75,11 +76,11 @@ def job_of(case: GarmentTestCase) -> Job:
     if isinstance(status, str) and status not in (*get_args(Status), ANY):
         raise SpecError(f"no drape ends as {shown(status)}{did_you_mean(status, get_args(Status))}", file=str(case.file), key="report.status")
     for key, wanted in test.report.items():
-        is_word = key.split(".")[0] in WORDS
-        if isinstance(wanted, str) and wanted != ANY and not is_word:
-            allowed = "a number is wanted here, a range as in [10, 20], or {value: 15, tol: 2}"
+        first = key.split(".")[0]  # with `*` it may mean words beside others
+        if isinstance(wanted, str) and wanted != ANY and not filter_names(WORDS, first):
+            allowed = "a number is wanted here, a range as in [10, 20], {value: 15, tol: 2}, true or false"
             raise SpecError(f"{shown(wanted)} came; {allowed}", file=str(case.file), key=f"report.{key}")
-        if is_word and wanted is not None and not isinstance(wanted, str):
+        if first in WORDS and wanted is not None and not isinstance(wanted, str):
             raise SpecError(f"{expected_text(wanted)} came; this value is a word", file=str(case.file), key=f"report.{key}")
     return job
 

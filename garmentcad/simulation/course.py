@@ -54,8 +54,8 @@ TIGHT_STRAIN, TIGHT_LINKS = 2.0 / 3.0, 0.01
 # No part of a garment that is being dressed goes faster than this; what a weld or a snap sets free would. At a step of 0.1 ms it is 1 % of 10 mm.
 SPEED_CAP_M_S = 1.0
 # Cloth that nothing is sewn to has no weld, and falls faster by itself: held at 1 m/s, discs on a pedestal came to rest with 1.5 folds and 3.5 points of drape
-# coefficient less than in true motion, from 1.25 m/s on with 0.4 folds and 1.5 points less; and W1 took a quarter more steps. Not much faster, or soft cloth
-# folds over itself quicker than it parts (W1 at 20 mm with 5 m/s and less drag).
+# coefficient less than in true motion, from 1.25 m/s on with 0.4 folds and 1.5 points less. Not much faster, or soft cloth folds over itself quicker than it
+# parts (W1 at 20 mm with 5 m/s and less drag).
 LOOSE_SPEED_CAP_M_S = 1.5
 # Nor does a garment with buttons or bands go faster than this while it falls in dynamics, which is more than cloth falls by itself: a belt that is drawn
 # together at once from half as long again pulls a million g at the ends of its segments, and threw a wrap skirt at 60 m/s.
