@@ -185,19 +185,30 @@ def test_a_panel_above_or_below_its_part(height: float, off: bool) -> None:
     assert [finding.key for finding in found if finding.code == "placement-off-body"] == expected
 
 
-def test_another_part_where_the_panel_lies_is_not_its_own() -> None:
-    """A ball above the post, from 1100 to 1300 mm, is the head of that body."""
+def reach_beside_a_ball(ball_m: float, height: float) -> list[Finding]:
+    """Findings on panels wrapped around the post from `height` mm on, where a ball of 100 mm at the height `ball_m` is another part of that body."""
     post, ball = body(), trimesh.creation.icosphere(subdivisions=2, radius=0.1)
-    vertices = np.concatenate([post.vertices, np.add(ball.vertices, [0.0, 1.2, 0.0])])
+    vertices = np.concatenate([post.vertices, np.add(ball.vertices, [0.0, ball_m, 0.0])])
     faces = indices(np.concatenate([post.faces, np.asarray(ball.faces) + len(post.vertices)]))
     part = indices(np.repeat([0, 1], [len(post.faces), len(ball.faces)]))
-    headed = dataclasses.replace(post, vertices=vertices, faces=faces, part_names=("torso", "head"), face_part=part)
+    with_ball = dataclasses.replace(post, vertices=vertices, faces=faces, part_names=("torso", "ball"), face_part=part)
     data = copy.deepcopy(TUBE)
-    data["panels"]["front"]["placement"]["wrap"]["height"] = 1110
+    data["panels"]["front"]["placement"]["wrap"]["height"] = height
     pattern = draft(parse_spec(data, "tube.yaml"), {})
     cloth = build_cloth(pattern, lambda _, points: np.zeros(len(points), dtype=np.int32), materials(0.2), GRID_MM)
-    (finding,) = check_reach(pattern, cloth, place_vertices(pattern, cloth, headed), headed, "tube.yaml")
+    return [*check_reach(pattern, cloth, place_vertices(pattern, cloth, with_ball), with_ball, "tube.yaml")]
+
+
+def test_another_part_where_the_panel_lies_is_not_its_own() -> None:
+    """A ball above the post, from 1100 to 1300 mm, as a head is."""
+    (finding,) = reach_beside_a_ball(1.2, 1110)
     assert "wrapped from 1110 to 1310 mm along 'torso', which goes from 0 to 1000 mm" in finding.message
+
+
+@pytest.mark.parametrize(("height", "off"), [(-490, False), (-510, True)])
+def test_what_is_wrapped_around_the_torso_may_hang_beside_what_is_below_it(height: float, off: bool) -> None:
+    """The ball goes from 300 to 100 mm below the post, as legs do: the lower tier of a skirt hangs beside it."""
+    assert [finding.key for finding in reach_beside_a_ball(-0.2, height)] == ["panels.front.placement.wrap.height"] * off
 
 
 @pytest.mark.parametrize(

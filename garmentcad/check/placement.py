@@ -64,15 +64,18 @@ def check_placement(cloth: Cloth, positions: np.ndarray, mannequin: Mannequin, f
 
 
 def check_reach(pattern: Pattern, cloth: Cloth, positions: np.ndarray, mannequin: Mannequin, file: str | None = None) -> Iterator[Finding]:
-    """Wrapped panels that lie wholly above or below the part of the body that they are wrapped around: a height in cm, say."""
+    """Wrapped panels that lie wholly above or below the part of the body that they are wrapped around: a height in cm, say. What is wrapped around the torso
+    may hang beside all that is below it, as the tiers of a skirt do."""
     for index, (name, panel) in enumerate(pattern.panels.items()):
         rule = panel.placement
         if not isinstance(rule, Wrap) or rule.part not in mannequin.part_names:
             continue
         cylinder, part = mannequin.cylinders[rule.part], mannequin.face_part == mannequin.part_names.index(rule.part)
         along = M_TO_MM * ((positions[cloth.vertex_panel == index] - cylinder.origin) @ cylinder.up)
-        body = M_TO_MM * ((mannequin.vertices[np.unique(mannequin.faces[part])] - cylinder.origin) @ cylinder.up)
-        if len(body) and (along.max() < body.min() or along.min() > body.max()):
+        heights = M_TO_MM * ((mannequin.vertices - cylinder.origin) @ cylinder.up)
+        body = heights[np.unique(mannequin.faces[part])]
+        lowest = (heights if rule.part == "torso" else body).min(initial=np.inf)
+        if len(body) and (along.max() < lowest or along.min() > body.max()):
             yield Finding(
                 "error", "placement-off-body", file, f"panels.{name}.placement.wrap.height",
                 f"the panel is wrapped from {along.min():.0f} to {along.max():.0f} mm along '{rule.part}', "
