@@ -12,7 +12,7 @@ import numpy as np
 
 from garmentcad import __version__
 from garmentcad.cloth.cloth import Cloth
-from garmentcad.export.normals import particle_normals
+from garmentcad.export.normals import particle_normals, split_at_creases
 from garmentcad.io.atomic import write_atomic
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.units import MM_TO_M
@@ -28,21 +28,24 @@ def write_garment_glb(path: str | Path, cloth: Cloth, positions: np.ndarray, man
     """Write a scene with a node `panel_NAME` for each panel and, where given, a node `mannequin`.
 
     positions: (P,3) m. Panels are split here, because UV differ on the two sides of a seam; normals are those of the sewn garment, so that shading runs
-    smoothly over seams. UV are pattern metres: a texture that repeats once a metre lies at its true size.
+    smoothly over seams, but not over the ridges of folds. UV are pattern metres: a texture that repeats once a metre lies at its true size.
     """
     scene = _Scene()
-    normals = particle_normals(positions, cloth.particle_triangles)
+    particle, split = split_at_creases(positions, cloth.particle_triangles)
+    normals = particle_normals(positions[particle], split)
     panel = cloth.vertex_panel[cloth.triangles[:, 0]]
     for index, name in enumerate(cloth.panel_names):
-        vertices, triangles = np.unique(cloth.triangles[panel == index], return_inverse=True)
-        if len(vertices) == 0:
+        mine = panel == index
+        if not mine.any():
             continue
+        corners, triangles = np.unique(cloth.triangles[mine].astype(np.int64) * len(normals) + split[mine], return_inverse=True)
+        vertices, shading = corners // len(normals), corners % len(normals)
         particles = cloth.vertex_particle[vertices]
         material = _material(name, panel_color(index), 0.9) | {"doubleSided": True}
-        scene.add(f"panel_{name}", material, triangles, positions[particles], normals[particles], cloth.vertex_uv_mm[vertices] * MM_TO_M)
+        scene.add(f"panel_{name}", material, triangles, positions[particles], normals[shading], cloth.vertex_uv_mm[vertices] * MM_TO_M)
     if mannequin is not None:
-        shading = particle_normals(mannequin.vertices, mannequin.faces)
-        scene.add("mannequin", _material("mannequin", BODY_COLOR, 1.0), mannequin.faces, mannequin.vertices, shading)
+        around = particle_normals(mannequin.vertices, mannequin.faces)
+        scene.add("mannequin", _material("mannequin", BODY_COLOR, 1.0), mannequin.faces, mannequin.vertices, around)
     return write_atomic(path, scene.glb())
 
 

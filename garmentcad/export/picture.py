@@ -17,7 +17,7 @@ from garmentcad.errors import GarmentError, InputError
 from garmentcad.export import legend
 from garmentcad.export.camera import Camera, frame
 from garmentcad.export.color_map import PaintedMap, painted
-from garmentcad.export.normals import particle_normals
+from garmentcad.export.normals import particle_normals, split_at_creases
 from garmentcad.export.raster import blank, draw_lines, draw_triangles
 from garmentcad.export.seam_lines import SewnTriangles, seam_and_free_edges
 from garmentcad.export.shading import shade
@@ -157,18 +157,19 @@ class _Scene:
 
 
 def _scene(positions: np.ndarray, cloth: SewnTriangles, mannequin: Mannequin | None, painted_map: PaintedMap | None) -> _Scene:
-    triangles = cloth.particle_triangles
-    normals = particle_normals(positions, triangles)
-    layers = np.array(RIGHT_SIDES)[cloth.particle_layer % len(RIGHT_SIDES)]
-    right, wrong = (layers, WRONG_SIDE * layers) if painted_map is None else (painted_map.colors(),) * 2
+    particle, triangles = split_at_creases(positions, cloth.particle_triangles)
+    points = positions[particle]
+    normals = particle_normals(points, triangles)
+    layers = np.array(RIGHT_SIDES)[cloth.particle_layer[particle] % len(RIGHT_SIDES)]
+    right, wrong = (layers, WRONG_SIDE * layers) if painted_map is None else (painted_map.colors()[particle],) * 2
     look = CLOTH_LOOK if painted_map is None else MAP_LOOK
     if mannequin is None:
-        sky = SkyLight(positions, triangles)
+        sky = SkyLight(points, triangles)
     else:
-        sky = SkyLight(np.vstack([positions, mannequin.vertices]), np.vstack([triangles, mannequin.faces + len(positions)]))
+        sky = SkyLight(np.vstack([points, mannequin.vertices]), np.vstack([triangles, mannequin.faces + len(points)]))
     surfaces = [
-        _Surface(positions, triangles, normals, right, look, sky.on(positions, normals)),
-        _Surface(positions, triangles[:, ::-1], -normals, wrong, look, sky.on(positions, -normals)),
+        _Surface(points, triangles, normals, right, look, sky.on(points, normals)),
+        _Surface(points, triangles[:, ::-1], -normals, wrong, look, sky.on(points, -normals)),
     ]
     if mannequin is not None:
         surfaces.append(_body_surface(mannequin, sky))
