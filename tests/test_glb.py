@@ -37,7 +37,7 @@ def test_normals_of_a_tube_point_outward() -> None:
     assert (particle_normals(np.zeros((3, 3)), np.array([[0, 1, 2]])) == 0.0).all()
 
 
-@pytest.mark.parametrize(("angle_deg", "split"), [(55.0, False), (65.0, True)])
+@pytest.mark.parametrize(("angle_deg", "split"), [(85.0, False), (95.0, True)])
 def test_shading_stops_at_a_crease(angle_deg: float, split: bool) -> None:
     """A strip of 2 x 6 squares, folded over its middle line: three particles there, of which a crease makes six; one square is turned over."""
     x, y = np.meshgrid(np.arange(7.0), np.arange(3.0))

@@ -8,7 +8,7 @@ from scipy.sparse.csgraph import connected_components
 
 from garmentcad.arrays import unique_pairs
 
-CREASE_DEG = 60.0  # smooth folds turn by less from triangle to triangle, on lattices that resolve them
+CREASE_DEG = 90.0  # smooth folds turn by less from triangle to triangle, gathers on coarse lattices nearly as much
 
 
 def particle_normals(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
