@@ -31,7 +31,10 @@ for _option in ("-runtime-memory-check-threshold=4000", "-vectorize-memory-check
 # Strict floating point. Contraction to fused operations would be 9 % faster, but which products it fuses changes with what a kernel is compiled into, and a
 # process that has just compiled calls other copies of a kernel than one that loads it: the same run would end in other bits.
 _OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
-_INNER: dict[str, Any] = {**_OPTIONS, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+# Kernels do not count references to arrays: they keep none, and their callers hold all. Where they counted, a call with a tuple of fifteen arrays was thirty
+# calls more, and sweeps of contact, which make dozens of such calls a visit, took three times as long.
+_COUNTED = "_nrt"
+_INNER: dict[str, Any] = {**_OPTIONS, "no_cpython_wrapper": True, "no_cfunc_wrapper": True, _COUNTED: False}
 
 
 class _Inner(CPUDispatcher):
@@ -47,7 +50,7 @@ def _door(inner: _Inner) -> Any:
 
 
 def _compiled(function: Any, apart: bool = False, **options: Any) -> Any:
-    dispatcher = njit(**_INNER, **options)(function)
+    dispatcher = njit(**{**_INNER, **options})(function)
     if hasattr(dispatcher, "py_func"):  # NUMBA_DISABLE_JIT leaves the function as it is
         dispatcher.__class__ = _Inner
         dispatcher._cache = KernelCache(function)
@@ -82,6 +85,11 @@ class _Disjoint(Compiler):
         super().__init__(typing, target, library, arguments, result, flags, local_types)
 
 
+def making_kernel(function: Any) -> Any:
+    """Compile a kernel as `long_kernel`, that makes arrays: what it makes, and with it all that it is given, is counted."""
+    return _compiled(function, apart=True, **{_COUNTED: True})
+
+
 def row_kernel(function: Any) -> Any:
     """Compile a kernel of wide loops. What it writes through one array argument it must not read or write through another; rows of one argument may be mixed.
     So the compiler need not check at run time, at every call, that some thirty rows do not overlap; to compile such checks takes half of its time."""
@@ -100,12 +108,12 @@ def inlined(function: Any) -> Any:
 
 def parallel_kernel(function: Any) -> Any:
     """Compile a kernel with `prange`, apart from those that call it. Gather only: each iteration writes its own outputs; no reductions."""
-    return _compiled(function, apart=True, parallel=True)
+    return _compiled(function, apart=True, parallel=True, **{_COUNTED: True})
 
 
 # Work is dealt out in this many parts whatever the number of threads. A part is a call of its own: inside a compiled prange body, arrays of a named
-# tuple cost 40 ns at each turn, and direct writes to them are lost (seen with numba 0.68). Rows are read as tuples: a view of an array counts its
-# references, and two threads that count on the same line are no faster than one.
+# tuple cost 40 ns at each turn, and direct writes to them are lost (seen with numba 0.68). Rows are read as tuples: where references
+# are counted (`making_kernel`) a view of an array counts its own, and two threads that count on the same line are no faster than one.
 CHUNKS = 64
 
 

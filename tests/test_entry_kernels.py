@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 PACKAGE = Path(__file__).resolve().parent.parent / "garmentcad"
-KINDS = {"kernel", "long_kernel", "row_kernel", "inlined_kernel", "inlined", "parallel_kernel"}
+KINDS = {"kernel", "long_kernel", "making_kernel", "row_kernel", "inlined_kernel", "inlined", "parallel_kernel"}
 
 
 def decorators(function: ast.FunctionDef) -> set[str]:

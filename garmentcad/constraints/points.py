@@ -27,7 +27,7 @@ import numpy as np
 from scipy.sparse import coo_matrix, csr_matrix, diags
 from scipy.sparse.csgraph import connected_components
 
-from garmentcad.arrays import floats, indices, kernel, long_kernel
+from garmentcad.arrays import floats, indices, kernel, long_kernel, making_kernel
 from garmentcad.errors import InputError
 from garmentcad.geometry.closest import dot
 from garmentcad.geometry.eigen import eigen
@@ -138,7 +138,7 @@ def demand_speeds(bonds, positions, time_step):  # type: ignore[no-untyped-def]
                 bonds.wanted[r, axis] -= lacking * share * away[axis] / length
 
 
-@kernel
+@making_kernel
 def correct_speeds(bonds, time_step, velocities):  # type: ignore[no-untyped-def]
     """Add to velocities, in place, what the constraint forces of this step add."""
     count, largest = len(bonds.targets), bonds.numbers[1] * time_step

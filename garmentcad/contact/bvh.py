@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
-from garmentcad.arrays import CHUNKS, chunk_range, entry, floats, indices, kernel, long_kernel, parallel_kernel
+from garmentcad.arrays import CHUNKS, chunk_range, entry, floats, indices, kernel, making_kernel, parallel_kernel
 from garmentcad.geometry.closest import point_triangle, row, segment_segment
 
 LEAF = 8  # elements in a leaf, at most; `near_pairs` holds as many boxes against one at a time and reads what it finds as one number of 8 bytes
@@ -209,10 +209,10 @@ def _record(found, place, hits, item):  # type: ignore[no-untyped-def]
         found[place, hits] = item
 
 
-@long_kernel
+@making_kernel
 def _near_of(places, search, sides, tree, leaf_boxes, positions, rows, found):  # type: ignore[no-untyped-def]
     (kind, reach), (own, theirs) = search, positions
-    # By names of their own: through a tuple an array counts its references at every turn.
+    # By names of their own: here references to arrays are counted wherever a tuple gives one.
     queries, items = sides
     own_nodes, own_twins, item_nodes, item_twins, order, boxes = queries.nodes, queries.identity, items.nodes, items.identity, tree.order, tree.boxes
     leaves, count, once = len(boxes) // 2, len(order), kind == EDGE_EDGE_ONCE

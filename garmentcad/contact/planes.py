@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
-from garmentcad.arrays import CHUNKS, chunk_range, inlined_kernel, kernel, long_kernel, parallel_kernel
+from garmentcad.arrays import CHUNKS, chunk_range, inlined_kernel, kernel, long_kernel, making_kernel, parallel_kernel
 from garmentcad.contact.bvh import box_distance2, node_after
 from garmentcad.contact.carry import anchor, row_at
 from garmentcad.geometry.closest import FACE, along, cross, distance_between, dot, minus, mixed, point_triangle, row, unit
@@ -172,13 +172,14 @@ def _tie(p, place, planes, surface, motion, face, height):  # type: ignore[no-un
         anchor(p, place, planes, surface.faces, motion, (face, (u, v, w), height))
 
 
-@long_kernel
-def _look(p, surface, tree, grip, x, reaches, planes, rows, motion, pace):  # type: ignore[no-untyped-def]
+@making_kernel
+def _look(p, surface, tree, grip, x, reaches, planes, motion, pace):  # type: ignore[no-untyped-def]
     """Set the planes of particle p at x. reaches: largest gap of any particle, the way that the look should cover, and how far the body has come nearer."""
     largest, margin, nearer = reaches
     way = math.sqrt(dot(minus(x, row(planes.home, p)), minus(x, row(planes.home, p)))) + nearer
     before = planes.closest[p]
     bound = min(_FAR, way + before)  # the closest face is no farther than it was plus the way
+    rows = np.empty((_LISTED, 2))
     found, closest = _list_faces(surface, tree, x, (largest + margin, bound), rows)
     planes.held[p] = 0
     for axis in range(3):
@@ -301,7 +302,6 @@ def _respond_of(particles, body, planes, grip, motion, pace, out):  # type: igno
     surface, tree, largest = body
     positions, velocities, inverse_masses, time_step = motion
     moving = len(planes.face) > 0
-    rows = np.empty((_LISTED, 2))
     total = largest_square = 0.0
     for p in range(particles[0], particles[1]):
         v = row(velocities, p)
@@ -325,7 +325,7 @@ def _respond_of(particles, body, planes, grip, motion, pace, out):  # type: igno
         if gone + nearer + reserve > planes.allowance[p]:
             gone = 0.0
             margin = max(MARGIN, 2.0 * reserve, min(_STEPS_PER_LOOK * speed * time_step, _MOST))
-            _look(p, surface, tree, grip, x, (largest, margin, nearer), planes, rows, (positions, velocities, time_step), pace)
+            _look(p, surface, tree, grip, x, (largest, margin, nearer), planes, (positions, velocities, time_step), pace)
         room = math.inf if planes.held[p] == 0 else -math.inf
         if planes.held[p] == 1:
             room = rooms(planes, p, 0, x)[1] - CLOSED

@@ -205,7 +205,6 @@ def _sweep_islands(k, pairs, stand, planes, grip, settled, motion):  # type: ign
 
 @parallel_kernel
 def _sweep_all(pairs, stand, planes, grip, settled, motion):  # type: ignore[no-untyped-def]
-    # On one thread, too, this takes half the time of a plain call: references to arrays are counted at each use there, but not in a parallel region.
     for k in prange(len(stand.parts) - 1):
         _sweep_islands(np.int64(k), pairs, stand, planes, grip, settled, motion)
 

@@ -24,7 +24,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from garmentcad.arrays import compact, entry, floats, indices, inlined_kernel, kernel, long_kernel, row_kernel
+from garmentcad.arrays import compact, entry, floats, indices, inlined_kernel, kernel, making_kernel, row_kernel
 from garmentcad.cloth.cloth import WARP, WEFT, BendLines
 from garmentcad.fabric.internal_friction import dragged
 from garmentcad.fabric.law_bending import STICK
@@ -194,7 +194,7 @@ def _turn_arms(count, lines, first, sliders, arms, lost):  # type: ignore[no-unt
         axs[i], ays[i], azs[i], bxs[i], bys[i], bzs[i] = au + fx, av + fy, aw + fz, bu + fx, bv + fy, bw + fz
 
 
-@long_kernel
+@making_kernel
 def bend_part(part, lines, sliders, positions, out):  # type: ignore[no-untyped-def]
     """Returns the energy lost [J]."""
     first = part * PART

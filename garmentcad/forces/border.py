@@ -19,7 +19,7 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
-from garmentcad.arrays import entry, floats, indices, kernel, long_kernel, row_kernel, rows_by_key
+from garmentcad.arrays import entry, floats, indices, kernel, making_kernel, row_kernel, rows_by_key
 from garmentcad.cloth.cloth import WARP, WEFT, BorderTriangles, Cloth
 from garmentcad.fabric.internal_friction import dragged
 from garmentcad.fabric.law_shear import stick_stiffness
@@ -176,7 +176,7 @@ def _force_row(span, damping_time, parts, sliders, edges, directions, stresses):
         warp[i] = gone
 
 
-@long_kernel
+@making_kernel
 def border_part(part, parts, damping_time, sliders, positions, velocities, out):  # type: ignore[no-untyped-def]
     """sliders (T + 2 P,): of shear, then of warp and weft patch by patch. Returns the energy lost [J]."""
     begin, end = np.int64(parts.first[part]), np.int64(parts.first[part + 1])

@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from garmentcad.arrays import entry, indices, kernel, long_kernel, row_kernel
+from garmentcad.arrays import entry, indices, kernel, making_kernel, row_kernel
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.fabric.internal_friction import dragged
 from garmentcad.fabric.law_bending import STICK
@@ -81,7 +81,7 @@ def _fold(count, hinges, first, sliders, wings, lost):  # type: ignore[no-untype
         axs[i], ays[i], azs[i], bxs[i], bys[i], bzs[i] = length * mx, length * my, length * mz, length * nx, length * ny, length * nz
 
 
-@long_kernel
+@making_kernel
 def hinge_part(part, hinges, sliders, positions, out):  # type: ignore[no-untyped-def]
     """Returns the energy lost [J]."""
     first = part * PART

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from garmentcad.arrays import entry, indices, kernel, long_kernel
+from garmentcad.arrays import entry, indices, kernel, making_kernel
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.fabric.material import MaterialTable, bending_along
 from garmentcad.forces.force import OneLaw
@@ -32,7 +32,7 @@ class SpanElements(NamedTuple):
     stiffness: np.ndarray  # (N,) k, N/m
 
 
-@long_kernel
+@making_kernel
 def span_part(part, spans, positions, out):  # type: ignore[no-untyped-def]
     x, first = positions, part * PART
     left, side = np.empty(3), np.empty(3)

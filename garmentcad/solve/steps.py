@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
-from garmentcad.arrays import CHUNKS, chunk_range, entry, kernel, parallel_kernel
+from garmentcad.arrays import CHUNKS, chunk_range, entry, kernel, making_kernel, parallel_kernel
 from garmentcad.constraints.points import apply_bonds
 from garmentcad.contact.contact import farthest, go_with_body, respond
 from garmentcad.contact.pairs import BY_BODY, fastest_of, mark_pressed
@@ -129,7 +129,7 @@ def _move(count, step, velocities, masses, positions, out):  # type: ignore[no-u
 
 
 @entry
-@kernel
+@making_kernel
 def run_steps(order, controls, laws, sums, bonds, limit, contact, clock):  # type: ignore[no-untyped-def]
     """Up to a number of steps. order: steps, whether the first begins at its contact part, whether it stops short of moving positions.
 
