@@ -32,7 +32,7 @@ for _option in ("-runtime-memory-check-threshold=4000", "-vectorize-memory-check
 # process that has just compiled calls other copies of a kernel than one that loads it: the same run would end in other bits.
 _OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
 # Kernels do not count references to arrays: they keep none, and their callers hold all. Where they counted, a call with a tuple of fifteen arrays was thirty
-# calls more, and sweeps of contact, which make dozens of such calls a visit, took three times as long.
+# calls more, and sweeps of contact, which make dozens of such calls a visit, took three times as long. The name is numba's own; it has no other for it.
 _COUNTED = "_nrt"
 _INNER: dict[str, Any] = {**_OPTIONS, "no_cpython_wrapper": True, "no_cfunc_wrapper": True, _COUNTED: False}
 
@@ -68,7 +68,8 @@ def entry(inner: Any) -> Any:
 
 
 def kernel(function: Any) -> Any:
-    """Compile a kernel that runs on one thread (also the way to write scalar laws that other kernels call)."""
+    """Compile a kernel that runs on one thread (also the way to write scalar laws that other kernels call). It makes no arrays and returns none; of all kinds
+    only `making_kernel` and `parallel_kernel` make some."""
     return _compiled(function)
 
 
