@@ -179,7 +179,7 @@ def _look(p, surface, tree, grip, x, reaches, planes, motion, pace):  # type: ig
     way = math.sqrt(dot(minus(x, row(planes.home, p)), minus(x, row(planes.home, p)))) + nearer
     before = planes.closest[p]
     bound = min(_FAR, way + before)  # the closest face is no farther than it was plus the way
-    rows = np.empty((_LISTED, 2))
+    rows = np.empty((_LISTED, 2))  # made here, not by the caller, who goes on without counting references; a look takes many times as long
     found, closest = _list_faces(surface, tree, x, (largest + margin, bound), rows)
     planes.held[p] = 0
     for axis in range(3):

@@ -21,8 +21,8 @@ def particle_normals(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray
 
 
 def split_at_creases(positions: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Particles (N,) and triangles (F,3) of them: triangles that meet in an edge at more than CREASE_DEG share none of its particles, unless others lead around
-    one of them smoothly."""
+    """Particles (N,), each once or more, and triangles (F,3) as rows of them: triangles that meet in an edge at more than CREASE_DEG share no row of its
+    particles, unless others lead around one of them smoothly. positions: (P,3) m; triangles: (F,3) in particle indices, some of them may be turned over."""
     face = _face_normals(positions, triangles)
     tail, head = triangles.ravel(), np.roll(triangles, -1, axis=1).ravel()
     here = np.arange(3 * len(triangles))
