@@ -322,7 +322,14 @@ def _respond_of(particles, body, planes, grip, motion, pace, out):  # type: igno
         # What a push adds to the way is no faster than its own cap.
         reserve = max(speed, PUSH_SPEED) * time_step
         gone = distance_between(positions, planes.home, p)
-        if gone + nearer + reserve > planes.allowance[p]:
+        within = gone + nearer + reserve <= planes.allowance[p]
+        if not within and planes.held[p] > 0:
+            # What presses on its planes does not go where it would without them, and a new look at the place where it rests finds others, micrometres off.
+            kept = held(p, planes, grip.friction[p], x, v, time_step)[0]
+            if moving:
+                kept = minus(kept, row_at(planes.drift, p, 0))
+            within = gone + nearer + math.sqrt(dot(kept, kept)) * time_step + (pace[3] * time_step if moving else 0.0) <= planes.allowance[p]
+        if not within:
             gone = 0.0
             margin = max(MARGIN, 2.0 * reserve, min(_STEPS_PER_LOOK * speed * time_step, _MOST))
             _look(p, surface, tree, grip, x, (largest, margin, nearer), planes, (positions, velocities, time_step), pace)

@@ -31,6 +31,7 @@ HARDWARE = (ForceBand.name, ForceButton.name)
 BINS = 8
 # Work of an element, us: of lattice blocks a slot, of the others one of the 128 elements of a part (measured, one thread).
 _WORK = (0.02, 0.022, 0.01, 0.014, 0.014)
+_PER_ELEMENT = (1, 3, bend_lines.CORNERS, 4, 4)  # corners
 
 
 @inlined
@@ -82,33 +83,62 @@ class Deal(NamedTuple):
     part: np.ndarray
 
 
-class Layout(NamedTuple):
-    """What is the same in every step."""
+class Parts(NamedTuple):
+    """Parts of the forces of a cloth, and what is the same in every step."""
 
-    deal: Deal
+    kind: np.ndarray  # (K,) number of the force in LAWS
+    part: np.ndarray  # (K,) of that force
+    work: np.ndarray  # (K,) us
+    place: np.ndarray  # (K,) mean number of its particles
+    owner: np.ndarray  # (C,) of each corner, all forces one after the other, bands and shanks left out
+    corners: np.ndarray  # (C,) particle, or NO_PARTICLE
     first: np.ndarray  # (L+1,) where the corners of each force begin among all, bands as one of them
 
+    def deal(self, chosen: np.ndarray) -> Deal:
+        """Of the parts `chosen` (K,) bool."""
+        numbers = np.flatnonzero(chosen)
+        bins = dealt(self.work[numbers], self.place[numbers])
+        order = numbers[[k for one in bins for k in one]]
+        return Deal(indices(np.cumsum([0, *(len(one) for one in bins)])), indices(self.kind[order]), indices(self.part[order]))
 
-def lay_out_parts(forces: tuple[Any, ...]) -> Layout:
+    def around(self, particles: np.ndarray) -> np.ndarray:
+        """(K,) bool: parts that act on some of the particles (P,) bool."""
+        touched = np.zeros(len(self.kind), dtype=bool)
+        used = self.corners != NO_PARTICLE
+        touched[self.owner[used][particles[self.corners[used]]]] = True
+        return touched
+
+
+def lay_out_parts(forces: tuple[Any, ...]) -> Parts:
     """Of the forces of `internal_forces`, which a `ForceBand` and a `ForceButton` may follow; ValueError for others. A part lies where its mean particle is."""
     if tuple(force.name for force in forces) not in [(*LAWS, *more) for more in ((), HARDWARE[:1], HARDWARE[1:], HARDWARE)]:
         raise ValueError(f"forces {[force.name for force in forces]}; the stepper knows {list(LAWS)}, in this order, and {list(HARDWARE)} after them")
     blocks = forces[0].arguments[0]
-    sizes = [blocks.size]
-    places = [np.array([_mean_particle(blocks.particle[first : first + size]) for first, size in zip(blocks.first, blocks.size)])]
-    for force, per_element in zip(forces[1 : len(LAWS)], (3, bend_lines.CORNERS, 4, 4)):
-        elements = force.corners.reshape(-1, per_element)
-        starts = range(0, len(elements), PART)
-        sizes.append(np.array([len(elements[start : start + PART]) for start in starts]))
-        places.append(np.array([_mean_particle(elements[start : start + PART]) for start in starts]))
-    kind, part = np.repeat(np.arange(len(LAWS)), [len(size) for size in sizes]), np.concatenate([np.arange(len(size)) for size in sizes])
-    bins = dealt(np.concatenate([cost * size for cost, size in zip(_WORK, sizes)]), np.concatenate(places))
-    order = np.array([k for one in bins for k in one], dtype=np.int64)
-    start = np.cumsum([0, *(len(one) for one in bins)])
+    pieces = [[slice(first, first + size) for first, size in zip(blocks.first, blocks.size)]]
+    for force, per_element in zip(forces[1 : len(LAWS)], _PER_ELEMENT[1:]):
+        step, end = PART * per_element, len(force.corners)
+        pieces.append([slice(start, min(start + step, end)) for start in range(0, end, step)])
+    sizes = [len(of_law) for of_law in pieces]
+    first = np.cumsum([0, *(len(force.corners) for force in forces[: len(LAWS)])])
+    owner = np.zeros(first[-1], dtype=np.int64)
+    work: list[float] = []
+    place: list[float] = []
+    for kind, (force, of_law) in enumerate(zip(forces, pieces)):
+        for piece in of_law:
+            owner[first[kind] + piece.start : first[kind] + piece.stop] = len(work)
+            work.append(_WORK[kind] * (piece.stop - piece.start) / _PER_ELEMENT[kind])
+            place.append(_mean_particle(force.corners[piece]))
     more = {force.name: force for force in forces[len(LAWS) :]}
     bands = more[ForceBand.name].segments.particles.size if ForceBand.name in more else 0
-    first = np.cumsum([0, *(len(force.corners) for force in forces[: len(LAWS)]), bands])
-    return Layout(Deal(indices(start), indices(kind[order]), indices(part[order])), first)
+    return Parts(
+        np.repeat(np.arange(len(LAWS)), sizes),
+        np.concatenate([np.arange(size) for size in sizes]),
+        np.array(work),
+        np.array(place),
+        owner,
+        np.concatenate([force.corners for force in forces[: len(LAWS)]]),
+        np.concatenate([first, first[-1:] + bands]),
+    )
 
 
 def _mean_particle(corners: np.ndarray) -> float:
@@ -116,14 +146,14 @@ def _mean_particle(corners: np.ndarray) -> float:
     return float(used.mean()) if len(used) else 0.0
 
 
-def law_arguments(layout: Layout, forces: tuple[Any, ...], sliders: dict[str, np.ndarray], lost: np.ndarray) -> tuple[Any, ...]:
-    """Arguments of `write_internal` for the forces of this layout: the deal, where the corners of each begin, what each compiled law needs, the sliders by
-    name of force, which are moved, and lost (BINS,), to which the energy that they lose [J] is added, the bands and the shanks of buttons."""
+def law_arguments(deal: Deal, first: np.ndarray, forces: tuple[Any, ...], sliders: dict[str, np.ndarray], lost: np.ndarray) -> tuple[Any, ...]:
+    """Arguments of `write_internal`: which parts, where the corners of each force begin, what each compiled law needs, the sliders by name of force, which are
+    moved, and lost (BINS,), to which the energy that they lose [J] is added, the bands and the shanks of buttons."""
     more = {force.name: force for force in forces[len(LAWS) :]}
     bands = more[ForceBand.name].segments if ForceBand.name in more else no_bands()
     shanks = more[ForceButton.name].shanks if ForceButton.name in more else no_shanks()
     held = tuple(sliders[name] for name in ("lattice", "border", "bend", "hinge"))
-    return *layout, *(force.arguments for force in forces[: len(LAWS)]), held, lost, bands, shanks
+    return deal, first, *(force.arguments for force in forces[: len(LAWS)]), held, lost, bands, shanks
 
 
 def dealt(work: np.ndarray, place: np.ndarray) -> list[list[int]]:

@@ -7,21 +7,23 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from copy import deepcopy
+from typing import Any
 
 import numpy as np
 
-from garmentcad.arrays import floats, threads_apart
+from garmentcad.arrays import floats, indices, threads_apart
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.state import State
 from garmentcad.constraints.points import ConstraintPoints, no_bonds
 from garmentcad.contact.contact import SURGE, Contact, farthest, respond
 from garmentcad.errors import GarmentError
 from garmentcad.forces.assembly import ForceAssembly
-from garmentcad.forces.internal import BINS, law_arguments, lay_out_parts
+from garmentcad.forces.internal import BINS, Deal, law_arguments, lay_out_parts
 from garmentcad.forces.time_step import SAFETY, measured_frequency
 from garmentcad.kernel_cache import compile_beside
 from garmentcad.solve.inertia import light_across, root_eased
 from garmentcad.solve.steps import CUT, DONE, LOOK, MOST_CUTS, RUNAWAY, TORN, TORN_LENGTH, Controls, run_steps
+from garmentcad.solve.stiff_parts import StiffParts, reaches, stages_for, step_of, stiff_particles
 from garmentcad.solve.strain_limit import StrainLimit
 
 # Steps between two looks at the stiffness; tangents change slowly at this scale.
@@ -33,6 +35,7 @@ _STILL, _STILL_STEADY = 5e-3, 2e-2
 _SAME, _LONGEST_WAIT = 0.02, 8.0 * STEPS_PER_ESTIMATE
 # No particle of a garment moves faster on purpose; a faster one is a sign of a diverging run.
 RUNAWAY_M_S = 30.0
+_PRESSING_M_S = 0.25 * RUNAWAY_M_S
 
 
 class DivergedError(GarmentError):
@@ -70,8 +73,9 @@ class Dynamics:
     on them). lighten: besides, what touches nothing resists less across the cloth (inertia.py), as `across` (P,3) says. speed_cap_m_s: forces make no particle
     faster, but press it on the body where it lies there. The time step rests on tangents that are a few steps old, and tension stiffens with strain: what a
     weld or a snap sets free must not run ahead of them. measured: tangents change little in a stretch, so the time step comes from the highest frequency
-    itself and not from its bound. steady: besides, they hardly change in many, so that looks at them may wait. step_factor: multiplies the time step, for a run
-    that diverged at the step that its stiffness allows. softness: by which tension in `forces` is divided, so that a change of it is noticed. fixed: (P,) bool,
+    itself and not from its bound, and with true masses what is much stiffer than the rest does not shorten it (stiff_parts.py). steady: besides, they hardly
+    change in many, so that looks at them may wait. step_factor: multiplies the time step, for a run that diverged at the step that its stiffness allows.
+    softness: by which tension in `forces` is divided, so that a change of it is noticed. fixed: (P,) bool,
     particles that do not move.
     """
 
@@ -86,10 +90,13 @@ class Dynamics:
         self.constraint: ConstraintPoints | None = None
         self.seconds = {"steps": 0.0, "detection": 0.0, "stiffness": 0.0}
         self.mean_square_speed = 0.0
-        self._layout = lay_out_parts(forces.forces)
+        self._parts = lay_out_parts(forces.forces)
+        self._deal = self._parts.deal(np.ones(len(self._parts.kind), dtype=bool))
+        self._expect_stiff(np.zeros(cloth.particle_count, dtype=bool), 1)
         self._stiffness = np.zeros(cloth.particle_count)
         self._clock = np.zeros(5)
         self._masses = floats(cloth.masses)
+        self._home = np.zeros((2, cloth.particle_count, 3))
         self.cut_steps = 0
         self._cuts = 0
         self.hold_still(np.zeros(cloth.particle_count, dtype=bool) if fixed is None else fixed)
@@ -120,6 +127,8 @@ class Dynamics:
         home = state.contact.get("stiff_home")
         known = home is not None and np.array_equal(key, state.contact["stiff_key"])
         fresh = home is None or not known or self._moved_on(state, home)
+        if home is None:
+            state.contact |= {"stiff_held": np.zeros_like(state.positions), "stiff_weight": np.ones(len(state.positions))}
         if fresh:
             home = state.positions.copy()
             state.contact |= {"stiff_home": home, "stiff_key": key, "stiff_touching": self.contact.touching(state)}
@@ -160,13 +169,38 @@ class Dynamics:
         if equalise:
             wanted = float(np.median(own[moving]))
             inverse_masses = self.true_inverse_masses / np.maximum(1.0, (wanted / own) ** 2)
+        stiff, stages = stiff_particles(own, moving), 1
         if measured:
-            masses = np.sqrt(inverse_masses)[:, None]
-            frequency = measured_frequency(self.forces, state.contact["stiff_home"], lambda vectors: masses * root_eased(vectors, self.across))
-            step = 2.0 * SAFETY / frequency if frequency > 0.0 else wanted
+            step = self._measured_step(state, inverse_masses, wanted)
             # The bound is one of cloth that resists alike in all directions. Where it is lighter across, its frequency may lie above.
             wanted = step if self.across.any() else max(wanted, step)
+            if stiff.any() and not equalise:
+                work = float(self._parts.work[self._parts.around(stiff)].sum() / self._parts.work.sum())
+                rest_s = self._measured_step(state, np.where(stiff, 0.0, inverse_masses), wanted)
+                rest_s = min(rest_s, self._pressing_step(state))
+                stages = stages_for(wanted, rest_s, work)
+                wanted = step_of(stages, wanted, rest_s)
+        self._expect_stiff(stiff, stages)
+        state.contact["stiff_weight"][~stiff] = 1.0
         self._set_step(state, self.step_factor * wanted, inverse_masses)
+
+    def _measured_step(self, state: State, inverse_masses: np.ndarray, otherwise: float) -> float:
+        """The step that the highest frequency allows to what moves, s; otherwise: where nothing does."""
+        masses = np.sqrt(inverse_masses)[:, None]
+        frequency = measured_frequency(self.forces, state.contact["stiff_home"], lambda vectors: masses * root_eased(vectors, self.across))
+        return 2.0 * SAFETY / frequency if frequency > 0.0 else otherwise
+
+    def _pressing_step(self, state: State) -> float:
+        """The step in which no force, which may be held by contact, leads to a speed that looks like a run that diverges, s."""
+        force = np.empty_like(state.positions)
+        self.forces.add_up(state.contact["stiff_home"], np.zeros_like(force), force)
+        fastest = float((np.linalg.norm(force, axis=1) * self.true_inverse_masses).max())
+        return _PRESSING_M_S / max(fastest, 1e-9)
+
+    def _expect_stiff(self, particles: np.ndarray, stages: int) -> None:
+        """From now on the forces on the particles (P,) bool are taken in so many stages."""
+        acting = self._parts.around(particles & (stages > 1))
+        self._stiff = self._parts.deal(acting), indices(np.flatnonzero(particles)), np.array(reaches(stages))
 
     def _set_step(self, state: State, time_step_s: float, inverse_masses: np.ndarray) -> None:
         self.set_inverse_masses(inverse_masses)
@@ -227,7 +261,11 @@ class Dynamics:
         self._drag[:] = self.drag
         controls = Controls(dt, self._drag, self.across, self.speed_cap_m_s, RUNAWAY_M_S, SURGE)
         lost = np.zeros(BINS)
-        laws, sums = law_arguments(self._layout, self.forces.forces, state.friction, lost), self.forces.sums(self._masses)
+        laws, sums = self._laws(self._deal, state.friction, lost), self.forces.sums(self._masses)
+        # Forces that only lead to those of the step do not move its sliders.
+        deal, particles, reach = self._stiff
+        laws_ahead = self._laws(deal, deepcopy(state.friction) if len(reach) else state.friction, np.zeros(BINS))
+        stiff = StiffParts(laws_ahead, particles, reach, self._home, state.contact["stiff_held"], state.contact["stiff_weight"])
         bonds = no_bonds()
         if self.constraint is not None:
             bonds = self.constraint.bonds(state.constraint_speeds, state.constraint_forces)
@@ -238,7 +276,7 @@ class Dynamics:
             t0 = time.perf_counter()
             clock = (state.contact["pair_home"], state.contact["pair_covered"])
             touch = (contact.arguments(state), motion, clock, (contact.leg, state.time_s - began))
-            code = run_steps((left, resumed, hold), controls, laws, sums, bonds, self.limit, touch, self._clock)
+            code = run_steps((left, resumed, hold), controls, laws, stiff, sums, bonds, self.limit, touch, self._clock)
             done = int(self._clock[0])
             state.positions[:], state.velocities[:] = contact.positions[:count], contact.velocities[:count]
             state.step += done
@@ -268,6 +306,9 @@ class Dynamics:
                     raise IntersectingError(self.cloth, self._stuck(state, int(self._clock[3])), state)
             elif done > 0:
                 self._cuts = 0
+
+    def _laws(self, deal: Deal, sliders: dict[str, np.ndarray], lost: np.ndarray) -> tuple[Any, ...]:
+        return law_arguments(deal, self._parts.first, self.forces.forces, sliders, lost)
 
     def _stuck(self, state: State, pair: int) -> np.ndarray:
         """Particles of the pair that cut a step; the fastest one where only its speed did (-1)."""

@@ -2,6 +2,8 @@
 
     v <- v + dt (M^-1 (F + m g) - c v)     constraints     strain limiting     contact (last word)     x <- x + dt v
 
+Where a part of the cloth is much stiffer than the rest, its forces F are those of places a little further on (stiff_parts.py).
+
 m true mass, M what resists: another one than m only where drape mode slows a fast element down or lets limp cloth sway faster (inertia.py; weight is that of
 the true mass, drag that of M).
 Source: Provot 1995, velocity before position, every correction of the velocity between the two.
@@ -22,6 +24,7 @@ from garmentcad.contact.pairs import BY_BODY, fastest_of, mark_pressed
 from garmentcad.contact.planes import CLOSED, rooms
 from garmentcad.forces.internal import write_internal
 from garmentcad.geometry.closest import row
+from garmentcad.solve.stiff_parts import expect, go_on, keep_home, note_what_held, take_home
 from garmentcad.solve.strain_limit import least_headroom, pull_back
 
 # Why a call ended: all steps done; contact must look for candidates; a particle is too fast; a step was cut; a link is far beyond its limit.
@@ -130,12 +133,14 @@ def _move(count, step, velocities, masses, positions, out):  # type: ignore[no-u
 
 @entry
 @making_kernel
-def run_steps(order, controls, laws, sums, bonds, limit, contact, clock):  # type: ignore[no-untyped-def]
-    """Up to a number of steps. order: steps, whether the first begins at its contact part, whether it stops short of moving positions.
+def run_steps(order, controls, laws, stiff, sums, bonds, limit, contact, clock):  # type: ignore[no-untyped-def]
+    """Up to a number of steps. order: steps, whether the first begins at its contact part, whether it stops short of moving positions (and takes the forces
+    where the cloth is).
 
-    bonds: constraint rows with their demanded speeds (see constraints/points.py); contact: arguments of the response, motion of all nodes, home and cover of
-    the candidates, leg of the body and seconds since its beginning. clock (5,): out: steps done, friction work J, largest mean square speed, pair that cut
-    the last step (-1: only speeds that the response raised) or link that is too long, safe part of the step.
+    stiff: `StiffParts`, whose particles are none where nothing is; bonds: constraint rows with their demanded speeds (see constraints/points.py); contact:
+    arguments of the response, motion of all nodes, home and cover of the candidates, leg of the body and seconds since its beginning. clock (5,): out: steps
+    done, friction work J, largest mean square speed, pair that cut the last step (-1: only speeds that the response raised) or link that is too long, safe part
+    of the step.
 
     Returns why it ended.
     """
@@ -153,7 +158,17 @@ def run_steps(order, controls, laws, sums, bonds, limit, contact, clock):  # typ
         if moves:
             go_with_body(rules, leg, since, motion)
         if step > 0 or not resumed:
+            ahead = len(stiff.reach) > 0 and not hold
+            if ahead:
+                keep_home(stiff.particles, positions, velocities, stiff.home)
+                for reach in stiff.reach:
+                    write_internal(stiff.laws, positions, velocities, sums.corner_forces)
+                    far = (reach * dt * dt, 2.0 * reach * dt)
+                    go_on(stiff.particles, stiff.home, (stiff.held, stiff.weight), far, sums, inverse_masses, positions, velocities)
             write_internal(laws, positions, velocities, sums.corner_forces)
+            if ahead:
+                take_home(stiff.particles, stiff.home, positions, velocities)
+            expect(stiff.particles, sums, controls.drag, inverse_masses, dt, velocities, stiff.home)
             inertia = (controls.drag, inverse_masses, controls.across)
             advance_velocities(sums, (dt, controls.speed_cap), inertia, rules[4], rules[6].pressed, positions, velocities, out)
             fastest = _largest(out)
@@ -182,6 +197,7 @@ def run_steps(order, controls, laws, sums, bonds, limit, contact, clock):  # typ
         clock[1] += work
         if hold:
             return DONE
+        note_what_held(stiff.particles, stiff.home, velocities, inverse_masses, dt, stiff.held, stiff.weight)
         _move(len(positions) if moves else count, part * dt, velocities, sums.masses, positions, out)
         since += part * dt
         pace[0], pace[1] = pace[0] + part * dt * pace[2], pace[1] + part * dt * pace[3]
