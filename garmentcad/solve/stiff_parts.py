@@ -24,8 +24,9 @@ from numpy.polynomial import Chebyshev, Polynomial
 from garmentcad.arrays import CHUNKS, chunk_range, inlined_kernel, kernel, parallel_kernel
 from garmentcad.forces.time_step import SAFETY
 
-# What allows less than this part of the median particle's step is stiff, by the bounds of both; and there is none where the stiffest is hardly below it.
-STIFF, CLEARLY = 0.6, 0.75
+# What allows less than STIFF of the median particle's step is stiff, by the bounds of both, up to FAR times the step of the stiffest, beyond which nothing is
+# shortened by what three evaluations bear; and nothing is where the stiffest is hardly below that.
+STIFF, FAR, CLEARLY = 0.6, 3.0, 0.75
 # With four, phi falls to 0.06: what is held comes to rest so slowly that the pleated skirt was watched twice.
 MOST_STAGES = 3
 # Weight of the last step in the mean of what holds. A mean over few follows what is held so closely that it drives stiff modes: with 16 a waistband shook.
@@ -72,9 +73,8 @@ def stiff_particles(own: np.ndarray, moving: np.ndarray) -> np.ndarray:
     """(P,) bool, of the steps [s] that each particle (P,) allows by the bound of its stiffness, and which of them move."""
     if not moving.any():
         return moving
-    bar = STIFF * float(np.median(own[moving]))
-    stiff = moving & (own < bar)
-    return stiff if own[stiff].min(initial=np.inf) < CLEARLY * bar else np.zeros_like(stiff)
+    bar, stiffest = STIFF * float(np.median(own[moving])), float(own[moving].min())
+    return moving & (own < min(bar, FAR * stiffest)) & (stiffest < CLEARLY * bar)
 
 
 @inlined_kernel
