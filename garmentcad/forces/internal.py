@@ -118,16 +118,16 @@ def lay_out_parts(forces: tuple[Any, ...]) -> Parts:
     for force, per_element in zip(forces[1 : len(LAWS)], _PER_ELEMENT[1:]):
         step, end = PART * per_element, len(force.corners)
         pieces.append([slice(start, min(start + step, end)) for start in range(0, end, step)])
-    sizes = [len(of_law) for of_law in pieces]
-    first = np.cumsum([0, *(len(force.corners) for force in forces[: len(LAWS)])])
+    sizes, corners = [len(of_law) for of_law in pieces], [force.corners for force in forces[: len(LAWS)]]
+    first = np.cumsum([0, *(len(of_force) for of_force in corners)])
     owner = np.zeros(first[-1], dtype=np.int64)
     work: list[float] = []
     place: list[float] = []
-    for kind, (force, of_law) in enumerate(zip(forces, pieces)):
+    for kind, of_law in enumerate(pieces):
         for piece in of_law:
             owner[first[kind] + piece.start : first[kind] + piece.stop] = len(work)
             work.append(_WORK[kind] * (piece.stop - piece.start) / _PER_ELEMENT[kind])
-            place.append(_mean_particle(force.corners[piece]))
+            place.append(_mean_particle(corners[kind][piece]))
     more = {force.name: force for force in forces[len(LAWS) :]}
     bands = more[ForceBand.name].segments.particles.size if ForceBand.name in more else 0
     return Parts(
@@ -136,7 +136,7 @@ def lay_out_parts(forces: tuple[Any, ...]) -> Parts:
         np.array(work),
         np.array(place),
         owner,
-        np.concatenate([force.corners for force in forces[: len(LAWS)]]),
+        np.concatenate(corners),
         np.concatenate([first, first[-1:] + bands]),
     )
 
