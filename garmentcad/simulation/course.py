@@ -85,6 +85,7 @@ _SLIPS = "slips"  # in State.run: whether cloth slips while tension comes back
 _CALM = "calm"  # in State.run: whether the residual has been below CALM_G
 _TRULY = "truly"  # in State.run: whether cloth settles with true masses; from where a watch ended with a residual above its bar though nothing grew, or
 # cloth of other masses stood still out of balance
+_PLAIN = "plain"  # in State.run: whether a watch has been; the next one takes the steps that its stiffest part bears
 STANDS = "stands"  # in State.run: whether cloth stood still with true masses, out of balance
 SMALLEST_STEP_FACTOR = 1.0 / 8.0  # of the time step that the stiffness allows, to which a run that diverges is taken back before it is given up
 
@@ -172,6 +173,8 @@ class Course:
         # does what rang in a watch, because the change of masses set it off.
         truly = dynamics.constraint is not None or self._buttoned or _TRULY in state.run
         dynamics.equalise = self.mode == "drape" and (state.phase == "fall" or (state.phase == "settle" and not truly))
+        # What is held may tremble in longer steps than its own, by a ten-thousandth of a millimetre: too much for rest, nothing for motion.
+        dynamics.staged = self.mode == "dynamics" or (state.phase == "watch" and _PLAIN not in state.run)
         dynamics.lighten = state.phase == "settle" and _CALM in state.run
         thrown = self._tied and state.phase == "fall"
         dynamics.speed_cap_m_s = self._cap if self.mode == "drape" else THROWN_M_S if thrown else math.inf
@@ -230,6 +233,7 @@ class Course:
             grew = state.run["watch_rms_2"] > max(STILL_M_S, state.run.get("watch_rms_1", 0.0))
             if not left.at_rest and not grew:
                 state.run[_TRULY] = 1.0
+            state.run[_PLAIN] = 1.0  # where another one follows
             self._enter(state, "rest" if left.at_rest and not grew else "settle")
         look(Progress(state.phase, state.step, state.time_s, None, None if left is None else left.rms_g, rms, self._eta(state, left)))
 

@@ -18,6 +18,8 @@ from garmentcad.constraints.points import ConstraintPoints, no_bonds
 from garmentcad.contact.contact import SURGE, Contact, farthest, respond
 from garmentcad.errors import GarmentError
 from garmentcad.forces.assembly import ForceAssembly
+from garmentcad.forces.button import ForceButton
+from garmentcad.forces.force import NO_PARTICLE
 from garmentcad.forces.internal import BINS, Deal, law_arguments, lay_out_parts
 from garmentcad.forces.time_step import SAFETY, measured_frequency
 from garmentcad.kernel_cache import compile_beside
@@ -73,8 +75,8 @@ class Dynamics:
     on them). lighten: besides, what touches nothing resists less across the cloth (inertia.py), as `across` (P,3) says. speed_cap_m_s: forces make no particle
     faster, but press it on the body where it lies there. The time step rests on tangents that are a few steps old, and tension stiffens with strain: what a
     weld or a snap sets free must not run ahead of them. measured: tangents change little in a stretch, so the time step comes from the highest frequency
-    itself and not from its bound, and with true masses what is much stiffer than the rest does not shorten it (stiff_parts.py). steady: besides, they hardly
-    change in many, so that looks at them may wait. step_factor: multiplies the time step, for a run that diverged at the step that its stiffness allows.
+    itself and not from its bound. staged: with true masses, what is much stiffer than the rest does not shorten it (stiff_parts.py). steady: besides, tangents
+    hardly change in many, so that looks at them may wait. step_factor: multiplies the time step, for a run that diverged at the step that its stiffness allows.
     softness: by which tension in `forces` is divided, so that a change of it is noticed. fixed: (P,) bool,
     particles that do not move.
     """
@@ -82,6 +84,7 @@ class Dynamics:
     def __init__(self, cloth: Cloth, forces: ForceAssembly, limit: StrainLimit, contact: Contact, fixed: np.ndarray | None = None) -> None:
         self.cloth, self.forces, self.limit, self.contact = cloth, forces, limit, contact
         self.equalise = self.measured = self.steady = self.lighten = False
+        self.staged = True
         self.drag: float | np.ndarray = 0.0
         self._drag = np.zeros(cloth.particle_count)
         self.across = np.zeros((cloth.particle_count, 3))
@@ -97,6 +100,11 @@ class Dynamics:
         self._clock = np.zeros(5)
         self._masses = floats(cloth.masses)
         self._home = np.zeros((2, cloth.particle_count, 3))
+        # Shanks are damped far more than cloth, which steps in stages do not bear.
+        self._on_shanks = np.zeros(cloth.particle_count, dtype=bool)
+        for force in forces.forces:
+            if isinstance(force, ForceButton):
+                self._on_shanks[force.corners[force.corners != NO_PARTICLE]] = True
         self.cut_steps = 0
         self._cuts = 0
         self.hold_still(np.zeros(cloth.particle_count, dtype=bool) if fixed is None else fixed)
@@ -123,7 +131,7 @@ class Dynamics:
 
     def estimate_time_step(self, state: State) -> None:
         """Largest stable step for the tangents, and in drape mode the masses for the median particle's step; where nothing has moved, those of before."""
-        key = np.array([self.equalise, self.lighten, self.measured, self.step_factor, self.softness], dtype=np.float64)
+        key = np.array([self.equalise, self.lighten, self.measured, self.staged, self.step_factor, self.softness], dtype=np.float64)
         home = state.contact.get("stiff_home")
         known = home is not None and np.array_equal(key, state.contact["stiff_key"])
         fresh = home is None or not known or self._moved_on(state, home)
@@ -169,12 +177,12 @@ class Dynamics:
         if equalise:
             wanted = float(np.median(own[moving]))
             inverse_masses = self.true_inverse_masses / np.maximum(1.0, (wanted / own) ** 2)
-        stiff, stages = stiff_particles(own, moving), 1
+        stiff, stages = stiff_particles(own, moving) & ~self._on_shanks, 1
         if measured:
             step = self._measured_step(state, inverse_masses, wanted)
             # The bound is one of cloth that resists alike in all directions. Where it is lighter across, its frequency may lie above.
             wanted = step if self.across.any() else max(wanted, step)
-            if stiff.any() and not equalise:
+            if stiff.any() and self.staged and not equalise:
                 work = float(self._parts.work[self._parts.around(stiff)].sum() / self._parts.work.sum())
                 rest_s = self._measured_step(state, np.where(stiff, 0.0, inverse_masses), wanted)
                 rest_s = min(rest_s, self._pressing_step(state))
