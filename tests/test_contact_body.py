@@ -12,6 +12,7 @@ from loose_sheet import Sheet, correct, crosses_body, fabric, least_distance
 
 from garmentcad.contact.body import CLEARANCE, ELEMENT_GAP, BodyElements
 from garmentcad.contact.contact import Contact
+from garmentcad.contact.planes import PUSH_SPEED
 from garmentcad.contact.surface import build_surface, bulge, convex_curvature
 
 DT = 1.5e-4
@@ -79,6 +80,26 @@ def test_no_particle_comes_nearer_than_its_gap_between_looks() -> None:
         before = after
     assert touched > 2000
     assert looked < 0.12 * 400 * 13 * 13  # one look in eight steps or more, at 0.8 m/s
+
+
+def test_what_presses_on_a_face_looks_anew_only_where_it_goes() -> None:
+    """At 8 m/s a step is 1.2 mm long, more than any look covers at rest: into the face nothing goes there, along it all do."""
+    box = trimesh.creation.box(extents=(0.4, 0.06, 0.4))
+    sheet = Sheet(6)
+    contact = Contact(sheet.cloth, fabric(), (np.asarray(box.vertices), np.asarray(box.faces)), itself=False)
+    state = sheet.state(sheet.at(0.003, 0.03 + CLEARANCE, 0.002))
+    contact.start(state)
+    correct(state, DT, contact)
+    home = state.contact["planes_home"].copy()
+    state.positions[:, 0] += 1e-5  # so that a look would be seen
+    state.velocities[:] = [0.0, -8.0, 0.0]
+    correct(state, DT, contact)
+    assert (state.velocities[:, 1] >= 0.0).all()  # it is held, and pushed to its gap
+    assert (state.velocities[:, 1] <= PUSH_SPEED).all()
+    assert np.array_equal(state.contact["planes_home"], home)
+    state.velocities[:] = [8.0, 0.0, 0.0]
+    correct(state, DT, contact)
+    assert (state.contact["planes_home"] != home).any(axis=1).all()
 
 
 def test_a_copied_state_goes_on_with_the_same_bits() -> None:

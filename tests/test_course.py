@@ -87,6 +87,28 @@ def test_what_rings_through_a_watch_settles_with_true_masses(monkeypatch: pytest
     assert seen == [("settle", False), ("settle", fictitious)]
 
 
+@pytest.mark.parametrize("mode", ["drape", "dynamics"])
+def test_longer_steps_are_for_what_falls_and_for_the_first_watch(monkeypatch: pytest.MonkeyPatch, mode: str) -> None:
+    monkeypatch.setattr(course_module, "residual", lambda *_: Residual(1.0, 1.0, np.ones(patches(CLOTH).max() + 1)))
+    made, state = course(1.0, 2.0, mode)
+    staged = {}
+    for state.phase in ("fall", "settle", "watch"):
+        made.set_phase(state)
+        staged[state.phase] = made.dynamics.staged
+    assert staged == {"fall": True, "settle": False, "watch": True}
+    state.time_s, state.run = 1.0, {"phase_from_s": 0.0, "watch_from_s": 0.0, "watch_rms_1": 1.0}
+
+    def look(progress: Progress) -> None:
+        raise StopIteration
+
+    with pytest.raises(StopIteration):
+        made.run(state, look)
+    assert state.phase == "settle"
+    state.phase = "watch"
+    made.set_phase(state)
+    assert not made.dynamics.staged
+
+
 @pytest.mark.parametrize(("left_g", "status"), [(1.0, "max_time"), (0.0, "converged")])
 def test_what_stands_still_tries_true_masses_and_ends_where_it_is_out_of_balance(monkeypatch: pytest.MonkeyPatch, left_g: float, status: str) -> None:
     """Of cloth that is held but for one particle; a residual that stays while nothing moves is no nearer to rest at any later time."""

@@ -127,7 +127,6 @@ def test_the_motion_is_that_of_short_steps_and_takes_no_energy_from_nowhere(damp
         exact.advance(state_of_exact, 1 + int((state.time_s - state_of_exact.time_s) / state_of_exact.time_step_s))
     rest = state.time_s - state_of_exact.time_s
     apart = np.linalg.norm(state.positions - (state_of_exact.positions + rest * state_of_exact.velocities), axis=1)
-
     assert np.abs(state.positions[:, 2]).max() > 0.05
     assert apart.max() < 2e-5
     assert max(energies) - energies[0] < 1e-3 * swing

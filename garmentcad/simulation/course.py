@@ -173,8 +173,8 @@ class Course:
         # does what rang in a watch, because the change of masses set it off.
         truly = dynamics.constraint is not None or self._buttoned or _TRULY in state.run
         dynamics.equalise = self.mode == "drape" and (state.phase == "fall" or (state.phase == "settle" and not truly))
-        # What is held may tremble in longer steps than its own, by a ten-thousandth of a millimetre: too much for rest, nothing for motion.
-        dynamics.staged = self.mode == "dynamics" or (state.phase == "watch" and _PLAIN not in state.run)
+        # What is held may tremble in longer steps than its own, by a ten-thousandth of a millimetre: nothing for motion, but too much for rest.
+        dynamics.staged = state.phase in ("fall", "watch") and _PLAIN not in state.run
         dynamics.lighten = state.phase == "settle" and _CALM in state.run
         thrown = self._tied and state.phase == "fall"
         dynamics.speed_cap_m_s = self._cap if self.mode == "drape" else THROWN_M_S if thrown else math.inf

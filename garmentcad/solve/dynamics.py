@@ -37,6 +37,7 @@ _STILL, _STILL_STEADY = 5e-3, 2e-2
 _SAME, _LONGEST_WAIT = 0.02, 8.0 * STEPS_PER_ESTIMATE
 # No particle of a garment moves faster on purpose; a faster one is a sign of a diverging run.
 RUNAWAY_M_S = 30.0
+# Longer steps because little is stiff end where forces that contact holds would lead to this speed before it takes them, which would look like such a run.
 _PRESSING_M_S = 0.25 * RUNAWAY_M_S
 
 
@@ -100,7 +101,7 @@ class Dynamics:
         self._clock = np.zeros(5)
         self._masses = floats(cloth.masses)
         self._home = np.zeros((2, cloth.particle_count, 3))
-        # Shanks are damped far more than cloth, which steps in stages do not bear.
+        # Shanks are damped far more than cloth, and no frequency shows it: whether longer steps bear that is not known.
         self._on_shanks = np.zeros(cloth.particle_count, dtype=bool)
         for force in forces.forces:
             if isinstance(force, ForceButton):
