@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import trimesh
 from elastic import linear
+from small_cloth import materials, small_cloth
 
 from garmentcad.arrays import CHUNKS
 from garmentcad.cloth.cloth import Cloth
@@ -20,7 +21,8 @@ from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.assembly import ForceAssembly, Sums
 from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
-from garmentcad.solve.dynamics import RUNAWAY_M_S, DivergedError, Dynamics, IntersectingError
+from garmentcad.forces.time_step import SmallMotion
+from garmentcad.solve.dynamics import RUNAWAY_M_S, STEPS_PER_ESTIMATE, DivergedError, Dynamics, IntersectingError
 from garmentcad.solve.rest import RESIDUAL_G, patches, residual
 from garmentcad.solve.steps import CUT, DONE, MOST_CUTS, advance_velocities
 from garmentcad.solve.strain_limit import RETURN_M_S, least_headroom, panels_at_limit, pull_back, strain_limit
@@ -57,6 +59,40 @@ def test_free_fall_is_exact_and_untouched_by_internal_damping() -> None:
     # velocity first, then position: the sum over steps is g t (t + dt)/2
     assert np.allclose(start - state.positions[:, 1], 0.5 * GRAVITY_M_S2 * state.time_s * (state.time_s + state.time_step_s), rtol=1e-9)
     assert np.abs(state.positions - state.positions[0] - shape).max() < 1e-12
+
+
+def test_in_motion_the_frequency_is_measured_anew_where_cloth_stiffens_and_seldom_else(monkeypatch: pytest.MonkeyPatch) -> None:
+    measured: list[int] = []
+
+    class Counted(SmallMotion):
+        def __init__(self, laws: ForceAssembly, positions: np.ndarray) -> None:
+            measured.append(state.step)
+            super().__init__(laws, positions)
+
+    monkeypatch.setattr("garmentcad.solve.dynamics.SmallMotion", Counted)
+    cloth = small_cloth()
+    state = State(hanging(cloth), np.zeros((cloth.particle_count, 3)))
+    dynamics = dynamics_of(cloth, None, 0.0, materials())
+    dynamics.measured = True
+    dynamics.start(state)
+    dynamics.advance(state, 8 * STEPS_PER_ESTIMATE)
+    assert len(measured) < 5
+    state.positions += [0.5, 0.0, 0.0]
+    state.contact["stiff_wait"][1] = state.step + 1
+    known = len(measured)
+    dynamics.estimate_time_step(state)
+    assert len(measured) == known
+    before = state.time_step_s
+    # tension of KES curves is stiffer where cloth is stretched
+    state.positions *= [1.05, 1.05, 1.0]
+    dynamics.estimate_time_step(state)
+    assert len(measured) == known + 1
+    assert state.time_step_s < 0.9 * before
+    # and what waits is looked at when its time is up
+    state.positions += [0.5, 0.0, 0.0]
+    state.contact["stiff_wait"][1] = state.step
+    dynamics.estimate_time_step(state)
+    assert len(measured) == known + 2
 
 
 @pytest.mark.parametrize("between", [0, 1, 3])

@@ -12,7 +12,7 @@ from small_cloth import deformed, materials, small_cloth
 
 from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.internal import internal_forces
-from garmentcad.forces.time_step import SAFETY, internal_damping_time, largest_stable_time_step, measured_frequency
+from garmentcad.forces.time_step import SAFETY, SmallMotion, internal_damping_time, largest_stable_time_step
 
 
 def test_two_masses_on_a_spring_are_exact() -> None:
@@ -58,7 +58,7 @@ def test_measured_frequency_is_the_largest_eigenvalue_of_the_tangent() -> None:
     inverse_masses[:3] = 0.0
     root = np.repeat(np.sqrt(inverse_masses), 3)
     exact = math.sqrt(np.linalg.eigvalsh(root[:, None] * tangent_by_differences(assembly, positions) * root)[-1])
-    measured = measured_frequency(assembly, positions, lambda vectors: np.sqrt(inverse_masses)[:, None] * vectors)
+    measured = SmallMotion(assembly, positions).highest_frequency(lambda vectors: np.sqrt(inverse_masses)[:, None] * vectors)
     assert measured == pytest.approx(exact, rel=0.01)
     stiffness = np.empty(cloth.particle_count)
     assembly.stiffness(positions, stiffness)

@@ -17,7 +17,7 @@ from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.band import BandSegments, ForceBand
 from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
-from garmentcad.forces.time_step import measured_frequency
+from garmentcad.forces.time_step import SmallMotion
 from garmentcad.solve.dynamics import SAFETY, Dynamics
 from garmentcad.solve.inertia import MOST_LIGHTER, REACH, light_across, root_eased, slopes
 from garmentcad.solve.rest import patches, residual
@@ -88,8 +88,9 @@ def test_frequency_of_light_cloth_is_the_largest_eigenvalue() -> None:
         root[3 * p : 3 * p + 3, 3 * p : 3 * p + 3] = vectors @ np.diag(np.sqrt(values)) @ vectors.T
     light = math.sqrt(np.linalg.eigvalsh(root @ tangent @ root)[-1])
     scale = 1.0 / np.sqrt(cloth.masses)[:, None]
-    assert measured_frequency(forces, positions, lambda vectors: scale * root_eased(vectors, across)) == pytest.approx(light, rel=0.01)
-    heavy = measured_frequency(forces, positions, lambda vectors: scale * vectors)
+    motion = SmallMotion(forces, positions)
+    assert motion.highest_frequency(lambda vectors: scale * root_eased(vectors, across)) == pytest.approx(light, rel=0.01)
+    heavy = motion.highest_frequency(lambda vectors: scale * vectors)
     assert light < 1.02 * heavy
     assert (across**2).sum(axis=1).max() > 10.0
 

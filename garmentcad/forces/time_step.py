@@ -41,29 +41,37 @@ def internal_damping_time(stiffness: np.ndarray, masses: np.ndarray, ratio: floa
     return 2.0 * ratio / frequency if frequency > 0.0 else 0.0
 
 
-def measured_frequency(forces: ForceAssembly, positions: np.ndarray, root: Callable[[np.ndarray], np.ndarray]) -> float:
-    """Highest angular frequency [rad/s] of small motions about `positions` (P,3), hardly too low, all of whose internal friction holds; root: M^-1/2 times
-    vectors (P,3), 0 where a particle is held."""
-    still, at_home, nudged = np.zeros_like(positions), np.empty_like(positions), np.empty_like(positions)
-    sliders = forces.drawn(positions, STUCK)
-    forces.add_up(positions, still, at_home, sliders)
-    before, mode = np.zeros_like(positions), np.random.default_rng(0).standard_normal(positions.shape)
-    mode[~root(mode).any(axis=1)] = 0.0
-    mode /= math.sqrt(float((mode * mode).sum()))
-    diagonal, beside = [], [0.0]
-    for _ in range(LANCZOS_STEPS):
-        way = root(mode)
-        nudge = _NUDGE_M / np.abs(way).max()
-        forces.add_up(positions + nudge * way, still, nudged, sliders)
-        image = root((at_home - nudged) / nudge) - beside[-1] * before
-        diagonal.append(float((mode * image).sum()))
-        image -= diagonal[-1] * mode
-        beside.append(math.sqrt(float((image * image).sum())))
-        if beside[-1] <= 1e-12 * abs(diagonal[0]):
-            break
-        before, mode = mode, image / beside[-1]
-    between = beside[1 : len(diagonal)]
-    # halving intervals needs no linear algebra that chooses its instructions by the processor
-    last = len(diagonal) - 1
-    largest = eigh_tridiagonal(diagonal, between, eigvals_only=True, select="i", select_range=(last, last), lapack_driver="stebz", tol=0.0)
-    return math.sqrt(max(float(largest[0]), 0.0))
+class SmallMotion:
+    """Motion about `positions` (P,3) [m] so small that all internal friction holds. forces: (P,3) [N], there."""
+
+    def __init__(self, laws: ForceAssembly, positions: np.ndarray) -> None:
+        self._laws, self._positions, self._still = laws, positions, np.zeros_like(positions)
+        self._sliders = laws.drawn(positions, STUCK)
+        self.forces = self._at(positions)
+
+    def _at(self, positions: np.ndarray) -> np.ndarray:
+        found = np.empty_like(positions)
+        self._laws.add_up(positions, self._still, found, self._sliders)
+        return found
+
+    def highest_frequency(self, root: Callable[[np.ndarray], np.ndarray]) -> float:
+        """Angular frequency [rad/s], hardly too low; root: M^-1/2 times vectors (P,3), 0 where a particle is held."""
+        before, mode = np.zeros_like(self._positions), np.random.default_rng(0).standard_normal(self._positions.shape)
+        mode[~root(mode).any(axis=1)] = 0.0
+        mode /= math.sqrt(float((mode * mode).sum()))
+        diagonal, beside = [], [0.0]
+        for _ in range(LANCZOS_STEPS):
+            way = root(mode)
+            nudge = _NUDGE_M / np.abs(way).max()
+            image = root((self.forces - self._at(self._positions + nudge * way)) / nudge) - beside[-1] * before
+            diagonal.append(float((mode * image).sum()))
+            image -= diagonal[-1] * mode
+            beside.append(math.sqrt(float((image * image).sum())))
+            if beside[-1] <= 1e-12 * abs(diagonal[0]):
+                break
+            before, mode = mode, image / beside[-1]
+        between = beside[1 : len(diagonal)]
+        # halving intervals needs no linear algebra that chooses its instructions by the processor
+        last = len(diagonal) - 1
+        largest = eigh_tridiagonal(diagonal, between, eigvals_only=True, select="i", select_range=(last, last), lapack_driver="stebz", tol=0.0)
+        return math.sqrt(max(float(largest[0]), 0.0))

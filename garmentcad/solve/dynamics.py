@@ -21,7 +21,7 @@ from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.button import ForceButton
 from garmentcad.forces.force import NO_PARTICLE
 from garmentcad.forces.internal import BINS, Deal, law_arguments, lay_out_parts
-from garmentcad.forces.time_step import SAFETY, measured_frequency
+from garmentcad.forces.time_step import SAFETY, SmallMotion
 from garmentcad.kernel_cache import compile_beside
 from garmentcad.solve.inertia import light_across, root_eased
 from garmentcad.solve.steps import CUT, DONE, LOOK, MOST_CUTS, RUNAWAY, TORN, TORN_LENGTH, Controls, run_steps
@@ -35,8 +35,12 @@ STEPS_PER_ESTIMATE = 96
 _STILL, _STILL_STEADY = 5e-3, 2e-2
 # Steady motion whose time step has changed by less than this is looked at half as often, at most so many steps apart.
 _SAME, _LONGEST_WAIT = 0.02, 8.0 * STEPS_PER_ESTIMATE
+# Other motion of true masses is looked at every time, but its frequency, which costs twenty times as much as its bound, is measured anew only where the bound
+# has changed by more than this, or after that wait.
+_ALIKE = 0.03
 # No particle of a garment moves faster on purpose; a faster one is a sign of a diverging run.
 RUNAWAY_M_S = 30.0
+_NEVER_S = 1.0  # the step of what does not move
 # Longer steps because little is stiff end where forces that contact holds would lead to this speed before it takes them, which would look like such a run.
 _PRESSING_M_S = 0.25 * RUNAWAY_M_S
 
@@ -132,39 +136,56 @@ class Dynamics:
 
     def estimate_time_step(self, state: State) -> None:
         """Largest stable step for the tangents, and in drape mode the masses for the median particle's step; where nothing has moved, those of before."""
+        began = time.perf_counter()
         key = np.array([self.equalise, self.lighten, self.measured, self.staged, self.step_factor, self.softness], dtype=np.float64)
         home = state.contact.get("stiff_home")
         known = home is not None and np.array_equal(key, state.contact["stiff_key"])
+        if known and home is not self._estimated_at:
+            self._estimate_at_home(state)
         fresh = home is None or not known or self._moved_on(state, home)
         if home is None:
             state.contact |= {"stiff_held": np.zeros_like(state.positions), "stiff_weight": np.ones(len(state.positions))}
         if fresh:
-            home = state.positions.copy()
-            state.contact |= {"stiff_home": home, "stiff_key": key, "stiff_touching": self.contact.touching(state)}
-        elif home is self._estimated_at:
-            return
-        began, before = time.perf_counter(), state.time_step_s
-        self._estimated_at = home
-        assert home is not None
-        self.forces.stiffness(home, self._stiffness)
-        self._choose_step(state, self.equalise, self.measured)
-        if fresh:
+            before = state.time_step_s
+            state.contact |= {"stiff_home": state.positions.copy(), "stiff_key": key, "stiff_touching": self.contact.touching(state)}
+            self._estimate_at_home(state)
             same = known and abs(state.time_step_s - before) < _SAME * before
             wait = min(2.0 * float(state.contact["stiff_wait"][0]), _LONGEST_WAIT) if same else float(STEPS_PER_ESTIMATE)
             state.contact["stiff_wait"] = np.array([wait, state.step + wait])
         self.seconds["stiffness"] += time.perf_counter() - began
 
+    def _estimate_at_home(self, state: State) -> None:
+        self._estimated_at = state.contact["stiff_home"]
+        self.forces.stiffness(self._estimated_at, self._stiffness)
+        self._choose_step(state, self.equalise, self.measured)
+
     def _moved_on(self, state: State, home: np.ndarray) -> bool:
         """Whether the tangents at `home` may be others than those of now."""
-        if self.steady and state.step < state.contact["stiff_wait"][1]:
+        waits = state.step < state.contact["stiff_wait"][1]
+        if self.steady and waits:
             return False
-        return bool(farthest(state.positions, home) > (_STILL_STEADY if self.steady else _STILL) * self.cloth.spacing)
+        if not farthest(state.positions, home) > (_STILL_STEADY if self.steady else _STILL) * self.cloth.spacing:
+            return False
+        if self.steady or self.equalise or not self.measured or not waits:
+            return True
+        here = np.empty_like(self._stiffness)
+        self.forces.stiffness(state.positions, here)
+        now = self._least_of(self._own_steps(here))
+        return any(abs(step - before) > _ALIKE * before for step, before in zip(now, self._least, strict=True))
+
+    def _own_steps(self, stiffness: np.ndarray) -> np.ndarray:
+        """The step that the bound `stiffness` (P,) of each particle allows it, s; infinite for what does not move."""
+        own, moving = np.full(len(stiffness), np.inf), ~self.fixed & (stiffness > 0.0)
+        own[moving] = 2.0 * SAFETY * np.sqrt(self.cloth.masses[moving] / stiffness[moving])
+        return own
+
+    def _least_of(self, own: np.ndarray) -> tuple[float, float]:
+        """The shortest of these steps (P,), s, of what was stiff when the frequency was measured, and of the rest."""
+        return float(own[self._was_stiff].min(initial=_NEVER_S)), float(own[~self._was_stiff].min(initial=_NEVER_S))
 
     def _choose_step(self, state: State, equalise: bool, measured: bool) -> None:
-        free = ~self.fixed
-        own = np.full(len(self._stiffness), np.inf)
-        moving = free & (self._stiffness > 0.0)
-        own[moving] = 2.0 * SAFETY * np.sqrt(self.cloth.masses[moving] / self._stiffness[moving])
+        own = self._own_steps(self._stiffness)
+        moving = np.isfinite(own)
         smallest = float(own.min(initial=np.inf))
         if not np.isfinite(smallest):
             smallest = 1e-3
@@ -179,31 +200,33 @@ class Dynamics:
             wanted = float(np.median(own[moving]))
             inverse_masses = self.true_inverse_masses / np.maximum(1.0, (wanted / own) ** 2)
         stiff, stages = stiff_particles(own, moving) & ~self._on_shanks, 1
+        self._was_stiff = stiff
+        self._least = self._least_of(own)
         if measured:
-            step = self._measured_step(state, inverse_masses, wanted)
+            about = SmallMotion(self.forces, state.contact["stiff_home"])
+            step = self._measured_step(about, inverse_masses, wanted)
             # The bound is one of cloth that resists alike in all directions. Where it is lighter across, its frequency may lie above.
             wanted = step if self.across.any() else max(wanted, step)
             if stiff.any() and self.staged and not equalise:
                 work = float(self._parts.work[self._parts.around(stiff)].sum() / self._parts.work.sum())
-                rest_s = self._measured_step(state, np.where(stiff, 0.0, inverse_masses), wanted)
-                rest_s = min(rest_s, self._pressing_step(state))
+                rest_s = self._measured_step(about, np.where(stiff, 0.0, inverse_masses), wanted)
+                rest_s = min(rest_s, self._pressing_step(about.forces))
                 stages = stages_for(wanted, rest_s, work)
                 wanted = step_of(stages, wanted, rest_s)
         self._expect_stiff(stiff, stages)
         state.contact["stiff_weight"][~stiff] = 1.0
         self._set_step(state, self.step_factor * wanted, inverse_masses)
 
-    def _measured_step(self, state: State, inverse_masses: np.ndarray, otherwise: float) -> float:
+    def _measured_step(self, about: SmallMotion, inverse_masses: np.ndarray, otherwise: float) -> float:
         """The step that the highest frequency allows to what moves, s; otherwise: where nothing does."""
         masses = np.sqrt(inverse_masses)[:, None]
-        frequency = measured_frequency(self.forces, state.contact["stiff_home"], lambda vectors: masses * root_eased(vectors, self.across))
+        light = bool(self.across.any())
+        frequency = about.highest_frequency(lambda vectors: masses * (root_eased(vectors, self.across) if light else vectors))
         return 2.0 * SAFETY / frequency if frequency > 0.0 else otherwise
 
-    def _pressing_step(self, state: State) -> float:
-        """The step in which no force, which may be held by contact, leads to a speed that looks like a run that diverges, s."""
-        force = np.empty_like(state.positions)
-        self.forces.add_up(state.contact["stiff_home"], np.zeros_like(force), force)
-        fastest = float((np.linalg.norm(force, axis=1) * self.true_inverse_masses).max())
+    def _pressing_step(self, forces: np.ndarray) -> float:
+        """The step in which none of these forces (P,3) N, which may be held by contact, leads to a speed that looks like a run that diverges, s."""
+        fastest = float((np.linalg.norm(forces, axis=1) * self.true_inverse_masses).max())
         return _PRESSING_M_S / max(fastest, 1e-9)
 
     def _expect_stiff(self, particles: np.ndarray, stages: int) -> None:
