@@ -13,6 +13,8 @@ from garmentcad.cloth.gathers import EASED
 from garmentcad.cloth.lattice import build_cloth
 from garmentcad.cloth.weld import weld
 from garmentcad.pattern.pattern import EdgeUse, Seam
+from garmentcad.simulation.job import make_job
+from garmentcad.simulation.run import grids_of
 
 MATERIALS = materials(0.12)
 LONG_MM = 300.0
@@ -69,3 +71,14 @@ def test_of_layers_in_one_seam_the_shortest_counts() -> None:
     rows = changed(before, after)
     rows = rows[before.vertex_panel[before.border.corners[rows, 0]] == 0]
     assert np.allclose(stretches(after, rows, 1.5), 1.0, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("band_mm", "grid_mm", "grids"), [(600.0, 10.0, (20.0, 10.0)), (510.0, 10.0, (20.0, 10.0)), (400.0, 10.0, (10.0,)), (400.0, 5.0, (10.0, 5.0))]
+)
+def test_gathers_are_sewn_on_no_coarse_lattice(band_mm: float, grid_mm: float, grids: tuple[float, ...]) -> None:
+    """A skirt 600 mm wide on bands of these lengths, either side of its seam named first. Eased by 1.18 to 1 it is sewn as before."""
+    for sides in ((("skirt", 2, False), ("band", 0, True)), (("band", 0, False), ("skirt", 2, True))):
+        seam = Seam("waist", *((EdgeUse(*side),) for side in sides))
+        sewn = pattern(rectangle(600.0, 500.0, name="skirt"), rectangle(band_mm, 40.0, name="band"), seams=(seam,))
+        assert grids_of(replace(make_job("flared-skirt", grid_mm=grid_mm), pattern=sewn)) == grids

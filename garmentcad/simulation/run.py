@@ -35,7 +35,8 @@ from garmentcad.forces.internal import internal_forces, soften
 from garmentcad.geometry.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.outfit import below
-from garmentcad.pattern.pattern import Panel
+from garmentcad.pattern.pattern import Panel, Pattern
+from garmentcad.pattern.runs import side_length
 from garmentcad.placement.outside import around_worn
 from garmentcad.placement.place import place_vertices
 from garmentcad.simulation.checkpoint import load_state, save_state
@@ -60,6 +61,9 @@ COARSEST_MM = 25.0
 # Coarse spacings along the side of a square as large as the largest panel. An estimate: a disc of 240 mm over a pedestal has 7 folds at 10 mm, in both modes,
 # and 4 where it falls at 20 mm (docs/studies/agreement.md).
 FEWEST_CELLS = 20.0
+# Gathers fold as they are sewn, as finely as the lattice lets them, and folds of a coarse one stay on the fine one: of a ruffle gathered 1.6 to 1 and sewn at
+# 20 mm three folds were left in a front, and ten where it was sewn at 10. By more than this, cloth over seam, no lattice is coarser.
+GATHERED, COARSEST_GATHERED_MM = 1.25, 12.5
 # Panels come a long way to their seams, and small folds that form on it are caught between seams that close around them. While they are sewn they bend
 # like card; the bending that counts is there from the weld on. A T-shirt of GarmentCode closes to 0.14 mm so, and not within 10 mm without; the crotch seam of
 # trousers to 0.05 mm, and not within 25.
@@ -106,12 +110,19 @@ def check_size(job: Job) -> None:
 
 def grids_of(job: Job) -> tuple[float, ...]:
     """Lattice spacings of a run, mm, coarse to fine: drape mode finds folds and seats the garment on lattices that cost an eighth a level, but for pieces
-    whose folds would be too coarse there."""
+    and gathers whose folds would be too coarse there."""
     largest = math.sqrt(max(_area_mm2(panel) for panel in job.pattern.panels.values()))
+    coarsest = min(COARSEST_GATHERED_MM if _fullest(job.pattern) > GATHERED else COARSEST_MM, largest / FEWEST_CELLS)
     grids = [job.grid_mm]
-    while job.mode == "drape" and 2.0 * grids[0] <= min(COARSEST_MM, largest / FEWEST_CELLS):
+    while job.mode == "drape" and 2.0 * grids[0] <= coarsest:
         grids.insert(0, 2.0 * grids[0])
     return tuple(grids)
+
+
+def _fullest(pattern: Pattern) -> float:
+    """Largest ratio of cloth to seam of its seams."""
+    lengths = [(side_length(pattern, seam.a), side_length(pattern, seam.b)) for seam in pattern.seams]
+    return max((max(pair) / min(pair) for pair in lengths if min(pair) > 0.0), default=1.0)
 
 
 def _area_mm2(panel: Panel) -> float:
