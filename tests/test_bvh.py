@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import scipy.spatial
 
-from garmentcad.contact.bvh import EDGE_EDGE, EDGE_EDGE_ONCE, POINT_TRIANGLE, TRIANGLE_POINT, Elements, build_tree, fitted_tree, near_pairs, refit
+from garmentcad.contact.bvh import EDGE_EDGE, EDGE_EDGE_ONCE, POINT_TRIANGLE, TRIANGLE_POINT, Elements, blocks_of, build_tree, near_pairs, refit, tree_over
 from garmentcad.contact.elements import elements
 from garmentcad.geometry.closest import point_triangle, segment_segment
 
@@ -52,18 +53,35 @@ def test_near_pairs_equal_brute_force(kind: int, count: int, far_m: float, monke
         EDGE_EDGE_ONCE: (triangles[:, :2], triangles[:, :2]),
     }
     queries, items = (elements(nodes, identity) for nodes in kinds[kind])
-    tree = fitted_tree(items, positions)
     moved = positions + rng.normal(0, 0.1, positions.shape) + far_m  # the tree's order is of the rest, its boxes are of now
-    refit(tree, items.nodes, moved)
+    blocks = blocks_of(tree_over(items, positions), items, moved)
     for reach in (0.02, 0.2, 0.6):  # the last overflows the first try's rows
-        pairs = near_pairs(kind, reach, queries, items, tree, (moved, moved))
+        pairs = near_pairs(kind, reach, queries, items, blocks, (moved, moved))
         assert [tuple(pair) for pair in pairs.tolist()] == brute(kind, reach, queries, items, moved, moved)
+
+
+def test_edges_among_themselves_are_found_through_all_levels() -> None:
+    """5,000 short edges: 1,024 leaves in 128, 16, 2 and 1 blocks."""
+    rng = np.random.default_rng(7)
+    starts = rng.uniform(0, 1, (5000, 3))
+    positions = np.concatenate([starts, starts + rng.normal(0, 0.01, starts.shape)])
+    edges = elements(np.stack([np.arange(5000), 5000 + np.arange(5000)], axis=1), np.arange(10000))
+    reach = 0.02
+    pairs = near_pairs(EDGE_EDGE_ONCE, reach, edges, edges, blocks_of(tree_over(edges, positions), edges, positions), (positions, positions))
+    middles = 0.5 * (positions[:5000] + positions[5000:])
+    found = []
+    for i, j in scipy.spatial.cKDTree(middles).query_pairs(reach + 0.1, output_type="ndarray").tolist():  # no edge is longer than 0.1
+        if segment_segment(*(tuple(positions[node]) for node in (i, 5000 + i, j, 5000 + j)))[2] <= reach * reach:
+            found.append((i, j))
+    assert len(found) > 500
+    assert [tuple(pair) for pair in pairs.tolist()] == sorted(found)
 
 
 def test_boxes_hold_their_elements_and_every_element_has_one_leaf() -> None:
     rng = np.random.default_rng(3)
     positions, triangles = soup(rng, 77)
-    tree = fitted_tree(elements(triangles, np.arange(len(positions))), positions)
+    tree = tree_over(elements(triangles, np.arange(len(positions))), positions)
+    refit(tree, elements(triangles, np.arange(len(positions))).nodes, positions)
     assert sorted(tree.order) == list(range(77))
     leaves = len(tree.boxes) // 2
     for leaf in range(leaves):

@@ -3,6 +3,9 @@
 The tree is a complete binary tree in heap order (root 1, children 2i and 2i + 1), so that it needs no pointers and a walk needs no stack: after a
 subtree comes node + 1 without its trailing zero bits, and a walk that arrives at 1 is done. Leaf j of n_leaves holds the elements
 order[j n // n_leaves : (j + 1) n // n_leaves].
+
+Pairs are looked for in the same tree with three of its levels taken as one: blocks of eight boxes side by side, which one query holds against itself at once.
+Level 0 has the elements of each leaf, level 1 the boxes of eight such blocks, and so on up to one block.
 """
 
 from __future__ import annotations
@@ -16,7 +19,9 @@ from numba import prange
 from garmentcad.arrays import CHUNKS, chunk_range, entry, floats, indices, kernel, making_kernel, parallel_kernel
 from garmentcad.geometry.closest import point_triangle, row, segment_segment
 
-LEAF = 8  # elements in a leaf, at most; `near_pairs` holds as many boxes against one at a time and reads what it finds as one number of 8 bytes
+LEAF = 8  # elements in a leaf, at most, and boxes in a block: which of them a query meets is read as one number of 8 bytes
+_LOWEST = 0x0001020304050607  # times 256^k its highest byte is k
+_MOST_LEVELS = 11  # 8^11 leaves
 _SURE = 1.0 + 1e-6  # what is called apart without its distance is so by more than round-off
 _WIDTH = 16  # items found per query at the first try; fuller rows are searched again with room for all
 _QUERIES = 1 << 15  # at a time, so that the room for what they find is small
@@ -27,6 +32,15 @@ class Tree(NamedTuple):
     """order: (N,) int32 elements along the leaves. boxes: (2 n_leaves, 6) low and high corners of the nodes; row 0 is unused."""
 
     order: np.ndarray
+    boxes: np.ndarray
+
+
+class Blocks(NamedTuple):
+    """A tree for `near_pairs`. order: as of the tree; first (levels+1,): number of the first block of each level, and of all blocks; boxes (6 x LEAF x blocks,)
+    in single precision: low and then high corners of eight boxes side by side, empty ones where there are fewer."""
+
+    order: np.ndarray
+    first: np.ndarray
     boxes: np.ndarray
 
 
@@ -89,11 +103,9 @@ def refit_swept(tree: Tree, nodes: np.ndarray, hull: list[np.ndarray]) -> None:
     tree.boxes[:, :3], tree.boxes[:, 3:] = np.min(boxes, axis=0)[:, :3], np.max(boxes, axis=0)[:, 3:]
 
 
-def fitted_tree(elements: Elements, positions: np.ndarray, leaf: int = LEAF) -> Tree:
-    """Tree built over the elements at these positions (P,3) of their nodes, with its boxes."""
-    tree = build_tree(positions[elements.nodes].mean(axis=1), leaf)
-    refit(tree, elements.nodes, positions)
-    return tree
+def tree_over(elements: Elements, positions: np.ndarray, leaf: int = LEAF) -> Tree:
+    """Tree built over the elements at these positions (P,3) of their nodes. Boxes are not set."""
+    return build_tree(positions[elements.nodes].mean(axis=1), leaf)
 
 
 @kernel
@@ -114,39 +126,43 @@ def box_distance2(boxes, node, p):  # type: ignore[no-untyped-def]
     return x * x + y * y + z * z
 
 
-@kernel
-def _apart(boxes, node, low, high):  # type: ignore[no-untyped-def]
-    if boxes[node, 0] > high[0] or boxes[node, 1] > high[1] or boxes[node, 2] > high[2]:
-        return True
-    return boxes[node, 3] < low[0] or boxes[node, 4] < low[1] or boxes[node, 5] < low[2]
-
-
 @entry
 @kernel
-def _leaf_boxes(tree, nodes, positions, out):  # type: ignore[no-untyped-def]
-    """Boxes of the elements of each leaf side by side, into out (leaves x 6 x LEAF,) in single precision; empty ones where a leaf holds fewer."""
-    order, leaves = tree.order, len(tree.boxes) // 2
+def _write_blocks(blocks, nodes, positions):  # type: ignore[no-untyped-def]
+    """Set `blocks.boxes`, level by level."""
+    order, first, out = blocks
+    leaves, count = first[1], len(order)
     for leaf in range(leaves):
-        first, last = leaf * len(order) // leaves, (leaf + 1) * len(order) // leaves
+        begin, end = leaf * count // leaves, (leaf + 1) * count // leaves
         for lane in range(LEAF):
             for axis in range(3):
                 low, high = math.inf, -math.inf
-                if first + lane < last:
-                    a, b, c = row(nodes, order[first + lane])
+                if begin + lane < end:
+                    a, b, c = row(nodes, order[begin + lane])
                     x, y, z = positions[a, axis], positions[b, axis], positions[c, axis]
                     low, high = min(x, y, z), max(x, y, z)
                 out[(6 * leaf + axis) * LEAF + lane], out[(6 * leaf + 3 + axis) * LEAF + lane] = low, high
+    for level in range(1, len(first) - 1):
+        for block in range(first[level], first[level + 1]):
+            for lane in range(LEAF):
+                below = first[level - 1] + LEAF * (block - first[level]) + lane
+                for axis in range(3):
+                    low, high = math.inf, -math.inf
+                    if below < first[level]:
+                        for k in range(LEAF):
+                            low, high = min(low, out[(6 * below + axis) * LEAF + k]), max(high, out[(6 * below + 3 + axis) * LEAF + k])
+                    out[(6 * block + axis) * LEAF + lane], out[(6 * block + 3 + axis) * LEAF + lane] = low, high
 
 
 @kernel
-def _meets(boxes, leaf, low, high, out):  # type: ignore[no-untyped-def]
-    """Which elements of a leaf have boxes that meet the box from low to high, into out (LEAF,) uint8. Rounding keeps the order of two numbers, so that none
-    is lost by single precision."""
+def _meets(boxes, block, low, high, out):  # type: ignore[no-untyped-def]
+    """Which boxes of a block meet the box from low to high, into out (LEAF,) uint8. Rounding keeps the order of two numbers, so that none is lost by single
+    precision."""
     x, y, z = np.float32(low[0]), np.float32(low[1]), np.float32(low[2])
     u, v, w = np.float32(high[0]), np.float32(high[1]), np.float32(high[2])
     # a length that is known only when it runs, or the loop is unrolled and not wide
     lanes = np.uint64(len(out))
-    first = np.uint64(6) * lanes * np.uint64(leaf)
+    first = np.uint64(6) * lanes * np.uint64(block)
     for lane in range(lanes):
         a = first + lane
         b = a + lanes
@@ -210,67 +226,88 @@ def _record(found, place, hits, item):  # type: ignore[no-untyped-def]
 
 
 @making_kernel
-def _near_of(places, search, sides, tree, leaf_boxes, positions, rows, found):  # type: ignore[no-untyped-def]
+def _near_of(places, search, sides, blocks, positions, rows, found):  # type: ignore[no-untyped-def]
     (kind, reach), (own, theirs) = search, positions
     # By names of their own: here references to arrays are counted wherever a tuple gives one.
     queries, items = sides
-    own_nodes, own_twins, item_nodes, item_twins, order, boxes = queries.nodes, queries.identity, items.nodes, items.identity, tree.order, tree.boxes
-    leaves, count, once = len(boxes) // 2, len(order), kind == EDGE_EDGE_ONCE
-    meets = np.empty(LEAF, dtype=np.uint8)
-    any_of = meets.view(np.uint64)
+    own_nodes, own_twins, item_nodes, item_twins = queries.nodes, queries.identity, items.nodes, items.identity
+    order, first, boxes = blocks
+    leaves, count, top, once = first[1], len(order), len(first) - 2, kind == EDGE_EDGE_ONCE
+    halvings = 0  # that make the leaves: a shift takes a tenth of a division
+    while 1 << halvings < leaves:
+        halvings += 1
+    meets, left, at = np.empty(LEAF, dtype=np.uint8), np.empty(_MOST_LEVELS + 1, dtype=np.uint64), np.empty(_MOST_LEVELS + 1, dtype=np.int64)
+    all_of, one = meets.view(np.uint64), np.uint64(1)
     for place in range(places[0], places[1]):
         # Among themselves: each element looks at those after it in the tree, from its own leaf on.
         slot_before = rows[place] if once else -1
         query = order[slot_before] if once else rows[place]
+        begin = ((slot_before + 1) * leaves + count - 1) // count - 1 if once else 0
         nodes, twins = row(own_nodes, query), row(own_twins, query)
         a, b, c = row(own, nodes[0]), row(own, nodes[1]), row(own, nodes[2])
         low = (min(a[0], b[0], c[0]) - reach, min(a[1], b[1], c[1]) - reach, min(a[2], b[2], c[2]) - reach)
         high = (max(a[0], b[0], c[0]) + reach, max(a[1], b[1], c[1]) + reach, max(a[2], b[2], c[2]) + reach)
-        hits = 0
-        node = leaves + ((slot_before + 1) * leaves + count - 1) // count - 1 if once else 1
+        hits, level, block = 0, top, np.int64(0)
+        _meets(boxes, first[level], low, high, meets)
+        met = all_of[0]
         while True:
-            apart = _apart(boxes, node, low, high)
-            if not apart and node < leaves:
-                node *= 2
+            if met == 0:
+                if level == top:
+                    break
+                level += 1
+                met, block = left[level], at[level]
                 continue
-            if not apart:
-                _meets(leaf_boxes, node - leaves, low, high, meets)
-                first = (node - leaves) * count // leaves
-                for lane in range(max(0, slot_before + 1 - first) if any_of[0] != 0 else LEAF, LEAF):
-                    if meets[lane] != 0:
-                        item = order[first + lane]
-                        if not _share(twins, row(item_twins, item)) and _within(kind, reach, nodes, row(item_nodes, item), own, theirs):
-                            hits += 1
-                            _record(found, place, hits, item)
-            node = node_after(node)
-            if node == 1:
-                break
+            lane = np.int64(((met & (~met + one)) * np.uint64(_LOWEST)) >> np.uint64(56))
+            met &= met - one
+            if level > 0:
+                below = LEAF * block + lane
+                if (below + 1) << (3 * (level - 1)) > begin:
+                    left[level], at[level] = met, block
+                    level, block = level - 1, below
+                    _meets(boxes, first[level] + block, low, high, meets)
+                    met = all_of[0]
+            else:
+                slot = (block * count >> halvings) + lane
+                if slot > slot_before:
+                    item = order[slot]
+                    if not _share(twins, row(item_twins, item)) and _within(kind, reach, nodes, row(item_nodes, item), own, theirs):
+                        hits += 1
+                        _record(found, place, hits, item)
         found[place, 0] = hits
 
 
 @entry
 @parallel_kernel
-def _near(kind, reach, queries, items, tree, leaf_boxes, positions, rows, found):  # type: ignore[no-untyped-def]
+def _near(kind, reach, queries, items, blocks, positions, rows, found):  # type: ignore[no-untyped-def]
     """For each query element of `rows` (of edges among themselves: for each slot of the tree) the items within reach, rising: found (R,1+K), first their
     number. A number above K says that it overflowed."""
     for chunk in prange(CHUNKS):
-        _near_of(chunk_range(chunk, len(rows)), (kind, reach), (queries, items), tree, leaf_boxes, positions, rows, found)
+        _near_of(chunk_range(chunk, len(rows)), (kind, reach), (queries, items), blocks, positions, rows, found)
 
 
-def near_pairs(kind: int, reach: float, queries: Elements, items: Elements, tree: Tree, positions: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+def blocks_of(tree: Tree, elements: Elements, positions: np.ndarray) -> Blocks:
+    """Blocks of a tree over these elements, of at most LEAF a leaf, at positions (P,3) of their nodes. The boxes of the tree itself may be old."""
+    sizes = [len(tree.boxes) // 2]
+    while sizes[-1] > 1:
+        sizes.append(-(-sizes[-1] // LEAF))
+    first = np.cumsum([0, *sizes])
+    blocks = Blocks(tree.order, first, np.empty(first[-1] * 6 * LEAF, dtype=np.float32))
+    _write_blocks(blocks, elements.nodes, positions)
+    return blocks
+
+
+def near_pairs(kind: int, reach: float, queries: Elements, items: Elements, blocks: Blocks, positions: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
     """All pairs (query, item) (K,2) int32 within `reach` that share no identity, in rising order.
 
     kind: POINT_TRIANGLE, TRIANGLE_POINT (queries are named first), EDGE_EDGE, or EDGE_EDGE_ONCE for edges among themselves, each pair once;
-    positions: of the queries' nodes and of the items' nodes, m, as is reach; tree: over the items, refitted, of at most LEAF elements a leaf.
+    positions: of the queries' nodes and of the items' nodes, m, as is reach; blocks: over the items, where they are.
     """
     parts = []
-    leaf_boxes = np.empty(len(tree.boxes) // 2 * 6 * LEAF, dtype=np.float32)
-    _leaf_boxes(tree, items.nodes, positions[1], leaf_boxes)
-    for first in range(0, len(queries.nodes), _QUERIES):
-        rows, width = np.arange(first, min(first + _QUERIES, len(queries.nodes)), dtype=np.int32), _WIDTH
+    for begin in range(0, len(queries.nodes), _QUERIES):
+        rows, width = np.arange(begin, min(begin + _QUERIES, len(queries.nodes)), dtype=np.int32), _WIDTH
         while len(rows):
             found = np.empty((len(rows), 1 + width), dtype=np.int32)
-            _near(kind, reach, queries, items, tree, leaf_boxes, positions, rows, found)
+            _near(kind, reach, queries, items, blocks, positions, rows, found)
             counts = found[:, 0]
             kept = np.flatnonzero((counts > 0) & (counts <= width))
             filled = np.arange(width) < counts[kept, None]
@@ -278,7 +315,7 @@ def near_pairs(kind: int, reach: float, queries: Elements, items: Elements, tree
             rows, width = rows[counts > width], int(counts.max())
     pairs = np.concatenate(parts) if parts else np.zeros((0, 2), dtype=np.int32)
     if kind == EDGE_EDGE_ONCE:
-        pairs[:, 0] = tree.order[pairs[:, 0]]
+        pairs[:, 0] = blocks.order[pairs[:, 0]]
         pairs.sort(axis=1)
         return indices(pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))])
     return indices(pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))] if len(parts) > 1 else pairs)

@@ -8,7 +8,7 @@ from scipy.sparse import csr_matrix
 from garmentcad.arrays import floats, indices, unique_pairs
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.weld import welded_particles
-from garmentcad.contact.bvh import EDGE_EDGE_ONCE, POINT_TRIANGLE, build_tree, fitted_tree, near_pairs, refit
+from garmentcad.contact.bvh import EDGE_EDGE_ONCE, POINT_TRIANGLE, blocks_of, build_tree, near_pairs, tree_over
 from garmentcad.contact.elements import elements, unique_edges
 from garmentcad.units import MM_TO_M
 
@@ -46,18 +46,17 @@ class ClothElements:
 
     def pairs(self, positions: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:
         """Nodes (N,4) of vertex-triangle and of edge-edge pairs of the cloth with itself that are closer than `reach` m, neighbours left out."""
-        refit(self._triangle_tree, self.triangles.nodes, positions)
-        refit(self._edge_tree, self.edges.nodes, positions)
         both = (positions, positions)
-        touched = near_pairs(POINT_TRIANGLE, reach, self.points, self.triangles, self._triangle_tree, both)
-        crossed = near_pairs(EDGE_EDGE_ONCE, reach, self.edges, self.edges, self._edge_tree, both)
+        triangles, edges = blocks_of(self._triangle_tree, self.triangles, positions), blocks_of(self._edge_tree, self.edges, positions)
+        touched = near_pairs(POINT_TRIANGLE, reach, self.points, self.triangles, triangles, both)
+        crossed = near_pairs(EDGE_EDGE_ONCE, reach, self.edges, self.edges, edges, both)
         touched = touched[~self._neighbours.vertex_triangle(self.points.nodes[touched[:, 0], 0], touched[:, 1])]
         crossed = crossed[~self._neighbours.edge_edge(crossed[:, 0], crossed[:, 1])]
         points = np.concatenate([self.points.nodes[touched[:, 0], :1], self.triangles.nodes[touched[:, 1]]], axis=1)
-        edges = np.concatenate([self.edges.nodes[crossed[:, 0], :2], self.edges.nodes[crossed[:, 1], :2]], axis=1)
+        crossing = np.concatenate([self.edges.nodes[crossed[:, 0], :2], self.edges.nodes[crossed[:, 1], :2]], axis=1)
         if self._passing.any():
-            points, edges = points[self._kept(points)], edges[self._kept(edges)]
-        return points, edges
+            points, crossing = points[self._kept(points)], crossing[self._kept(crossing)]
+        return points, crossing
 
     def _kept(self, nodes: np.ndarray) -> np.ndarray:
         """(K,) bool: of pairs by their nodes (K,4), those that do not pass."""
@@ -74,7 +73,7 @@ class _Neighbours:
     def __init__(self, cloth: Cloth, identity: np.ndarray, edges: np.ndarray, reach: float) -> None:
         vertices, laid = np.arange(len(cloth.vertex_panel)), _laid_out(cloth)
         points, sides = elements(vertices, vertices), elements(unique_edges(cloth.triangles), vertices)
-        near = near_pairs(POINT_TRIANGLE, reach, points, sides, fitted_tree(sides, laid), (laid, laid))
+        near = near_pairs(POINT_TRIANGLE, reach, points, sides, blocks_of(tree_over(sides, laid), sides, laid), (laid, laid))
         welded = identity[cloth.vertex_particle]
         corner, ends = near[:, 0], sides.nodes[near[:, 1], :2]
         count, triangles = int(identity.max(initial=0)) + 1, welded[cloth.triangles]
