@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scipy.spatial
 
-from garmentcad.contact.bvh import EDGE_EDGE, EDGE_EDGE_ONCE, POINT_TRIANGLE, TRIANGLE_POINT, Elements, blocks_of, build_tree, near_pairs, refit, tree_over
+from garmentcad.contact.bvh import EDGE_EDGE, EDGE_EDGE_ONCE, POINT_TRIANGLE, TRIANGLE_POINT, Elements, blocks_over, build_tree, near_pairs, refit, set_boxes
 from garmentcad.contact.elements import elements
 from garmentcad.geometry.closest import point_triangle, segment_segment
 
@@ -41,7 +41,7 @@ def brute(kind: int, reach: float, queries: Elements, items: Elements, own: np.n
 @pytest.mark.parametrize("count", [1, 3, 5, 64, 101])
 @pytest.mark.parametrize("kind", [POINT_TRIANGLE, TRIANGLE_POINT, EDGE_EDGE, EDGE_EDGE_ONCE])
 def test_near_pairs_equal_brute_force(kind: int, count: int, far_m: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("garmentcad.contact.bvh._QUERIES", 40)  # of more queries than that some take their turn later
+    monkeypatch.setattr("garmentcad.contact.bvh._LEAVES", 5)  # of more leaves than that some take their turn later
     rng = np.random.default_rng(10 * kind + count)
     positions, triangles = soup(rng, count)
     identity = np.arange(len(positions))
@@ -54,9 +54,10 @@ def test_near_pairs_equal_brute_force(kind: int, count: int, far_m: float, monke
     }
     queries, items = (elements(nodes, identity) for nodes in kinds[kind])
     moved = positions + rng.normal(0, 0.1, positions.shape) + far_m  # the tree's order is of the rest, its boxes are of now
-    blocks = blocks_of(tree_over(items, positions), items, moved)
+    own, blocks = (blocks_over(part, positions[part.nodes].mean(axis=1)) for part in (queries, items))
+    set_boxes(blocks, moved)
     for reach in (0.02, 0.2, 0.6):  # the last overflows the first try's rows
-        pairs = near_pairs(kind, reach, queries, items, blocks, (moved, moved))
+        pairs = near_pairs(kind, reach, own, blocks, (moved, moved))
         assert [tuple(pair) for pair in pairs.tolist()] == brute(kind, reach, queries, items, moved, moved)
 
 
@@ -67,7 +68,9 @@ def test_edges_among_themselves_are_found_through_all_levels() -> None:
     positions = np.concatenate([starts, starts + rng.normal(0, 0.01, starts.shape)])
     edges = elements(np.stack([np.arange(5000), 5000 + np.arange(5000)], axis=1), np.arange(10000))
     reach = 0.02
-    pairs = near_pairs(EDGE_EDGE_ONCE, reach, edges, edges, blocks_of(tree_over(edges, positions), edges, positions), (positions, positions))
+    blocks = blocks_over(edges, starts)
+    set_boxes(blocks, positions)
+    pairs = near_pairs(EDGE_EDGE_ONCE, reach, blocks, blocks, (positions, positions))
     middles = 0.5 * (positions[:5000] + positions[5000:])
     found = []
     for i, j in scipy.spatial.cKDTree(middles).query_pairs(reach + 0.1, output_type="ndarray").tolist():  # no edge is longer than 0.1
@@ -80,7 +83,7 @@ def test_edges_among_themselves_are_found_through_all_levels() -> None:
 def test_boxes_hold_their_elements_and_every_element_has_one_leaf() -> None:
     rng = np.random.default_rng(3)
     positions, triangles = soup(rng, 77)
-    tree = tree_over(elements(triangles, np.arange(len(positions))), positions)
+    tree = build_tree(positions[triangles].mean(axis=1))
     refit(tree, elements(triangles, np.arange(len(positions))).nodes, positions)
     assert sorted(tree.order) == list(range(77))
     leaves = len(tree.boxes) // 2

@@ -10,7 +10,7 @@ import numpy as np
 
 from garmentcad.arrays import indices
 from garmentcad.cloth.cloth import Cloth
-from garmentcad.contact.bvh import EDGE_EDGE, TRIANGLE_POINT, blocks_of, near_pairs, refit, tree_over
+from garmentcad.contact.bvh import EDGE_EDGE, TRIANGLE_POINT, blocks_over, build_tree, near_pairs, refit, set_boxes
 from garmentcad.contact.cloth import ClothElements
 from garmentcad.contact.elements import LEAST_GAP, elements, largest_around, unique_edges
 from garmentcad.contact.surface import Surface, build_surface, bulge, convex_curvature, edge_of_side
@@ -66,27 +66,29 @@ class BodyElements:
         edges = unique_edges(self.surface.faces)
         numbers = np.arange(count)
         above_point, above_edge = _rows_above(self.surface.faces)
-        self.face_tree = tree_over(elements(self.surface.faces, numbers), self.surface.vertices, _FACES)
+        self.face_tree = build_tree(self.surface.vertices[self.surface.faces].mean(axis=1), _FACES)
         refit(self.face_tree, self.surface.faces, self.surface.vertices)
         self._points, self._above_point = elements(np.flatnonzero(sharp), numbers), above_point[sharp]
         near_sharp = sharp[edges].any(axis=1)
         self._edges, self._above_edge = elements(edges[near_sharp], numbers), above_edge[near_sharp]
-        self._point_tree, self._edge_tree = (tree_over(part, self.surface.vertices) for part in (self._points, self._edges))
+        self._point_blocks = blocks_over(self._points, self.surface.vertices[sharp])
+        self._edge_blocks = blocks_over(self._edges, self.surface.vertices[edges[near_sharp]].mean(axis=1))
         self.refit()
 
     def refit(self) -> None:
         """Fit what `pairs` looks in to where the vertices are."""
-        self._point_blocks = blocks_of(self._point_tree, self._points, self.surface.vertices)
-        self._edge_blocks = blocks_of(self._edge_tree, self._edges, self.surface.vertices)
+        set_boxes(self._point_blocks, self.surface.vertices)
+        set_boxes(self._edge_blocks, self.surface.vertices)
 
     def pairs(self, cloth: ClothElements, positions: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Nodes (N,4) of body vertex-cloth triangle and of cloth edge-body edge pairs closer than `reach` m, and for both, one after the other, the rows
         of pseudo-normals above the body's element. Body vertices are numbered after the P particles of `positions` (P,3)."""
         count, both = len(positions), (positions, self.surface.vertices)
         # No cloth element shares an identity with one of the body, whatever their numbers: the cloth's are shifted.
-        triangles, edges = (part._replace(identity=part.identity + len(self.surface.vertices)) for part in (cloth.triangles, cloth.edges))
-        pierced = near_pairs(TRIANGLE_POINT, reach, triangles, self._points, self._point_blocks, both)
-        crossed = near_pairs(EDGE_EDGE, reach, edges, self._edges, self._edge_blocks, both)
-        points = np.concatenate([count + self._points.nodes[pierced[:, 1], :1], triangles.nodes[pierced[:, 0]]], axis=1)
-        crossing = np.concatenate([edges.nodes[crossed[:, 0], :2], count + self._edges.nodes[crossed[:, 1], :2]], axis=1)
+        shift = np.int32(len(self.surface.vertices))
+        triangles, edges = (part._replace(identity=part.identity + shift) for part in (cloth.triangle_blocks, cloth.edge_blocks))
+        pierced = near_pairs(TRIANGLE_POINT, reach, triangles, self._point_blocks, both)
+        crossed = near_pairs(EDGE_EDGE, reach, edges, self._edge_blocks, both)
+        points = np.concatenate([count + self._points.nodes[pierced[:, 1], :1], cloth.triangles.nodes[pierced[:, 0]]], axis=1)
+        crossing = np.concatenate([cloth.edges.nodes[crossed[:, 0], :2], count + self._edges.nodes[crossed[:, 1], :2]], axis=1)
         return points, crossing, np.concatenate([self._above_point[pierced[:, 1]], self._above_edge[crossed[:, 1]]])

@@ -4,8 +4,9 @@ The tree is a complete binary tree in heap order (root 1, children 2i and 2i + 1
 subtree comes node + 1 without its trailing zero bits, and a walk that arrives at 1 is done. Leaf j of n_leaves holds the elements
 order[j n // n_leaves : (j + 1) n // n_leaves].
 
-Pairs are looked for in the same tree with three of its levels taken as one: blocks of eight boxes side by side, which one query holds against itself at once.
-Level 0 has the elements of each leaf, level 1 the boxes of eight such blocks, and so on up to one block.
+Pairs are looked for between two such trees, three levels of which are taken as one: blocks of eight boxes side by side, which a query holds against itself at
+once. Level 0 has the elements of each leaf, level 1 the boxes of eight such blocks, and so on up to one block, of level 1 at least. The elements of a leaf walk
+down the other tree together, up to its leaves.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
-from garmentcad.arrays import CHUNKS, chunk_range, entry, floats, indices, kernel, making_kernel, parallel_kernel
+from garmentcad.arrays import CHUNKS, chunk_range, entry, floats, indices, inlined_kernel, kernel, making_kernel, parallel_kernel, row_kernel
 from garmentcad.geometry.closest import point_triangle, row, segment_segment
 
 LEAF = 8  # elements in a leaf, at most, and boxes in a block: which of them a query meets is read as one number of 8 bytes
@@ -24,7 +25,7 @@ _LOWEST = 0x0001020304050607  # times 256^k its highest byte is k
 _MOST_LEVELS = 11  # 8^11 leaves
 _SURE = 1.0 + 1e-6  # what is called apart without its distance is so by more than round-off
 _WIDTH = 16  # items found per query at the first try; fuller rows are searched again with room for all
-_QUERIES = 1 << 15  # at a time, so that the room for what they find is small
+_LEAVES = 1 << 12  # of queries at a time, so that the room for what they find is small
 POINT_TRIANGLE, TRIANGLE_POINT, EDGE_EDGE, EDGE_EDGE_ONCE = 0, 1, 2, 3
 
 
@@ -35,21 +36,24 @@ class Tree(NamedTuple):
     boxes: np.ndarray
 
 
-class Blocks(NamedTuple):
-    """A tree for `near_pairs`. order: as of the tree; first (levels+1,): number of the first block of each level, and of all blocks; boxes (6 x LEAF x blocks,)
-    in single precision: low and then high corners of eight boxes side by side, empty ones where there are fewer."""
-
-    order: np.ndarray
-    first: np.ndarray
-    boxes: np.ndarray
-
-
 class Elements(NamedTuple):
     """Points (a, a, a), edges (a, b, b) or triangles (a, b, c). identity: who counts as the same point (twins of a seam); elements that share an
     identity never pair. All (N,3) int32."""
 
     nodes: np.ndarray
     identity: np.ndarray
+
+
+class Blocks(NamedTuple):
+    """A tree for `near_pairs`, with its elements by their places along the leaves. order: (N,) int32 element at each place; nodes, identity: (N,3) int32 of it;
+    first (levels+1,): number of the first block of each level, and of all blocks; boxes (6 x LEAF x blocks,) in single precision: low and then high corners of
+    eight boxes side by side, empty ones where there are fewer."""
+
+    order: np.ndarray
+    nodes: np.ndarray
+    identity: np.ndarray
+    first: np.ndarray
+    boxes: np.ndarray
 
 
 def build_tree(centers: np.ndarray, leaf: int = LEAF) -> Tree:
@@ -103,9 +107,15 @@ def refit_swept(tree: Tree, nodes: np.ndarray, hull: list[np.ndarray]) -> None:
     tree.boxes[:, :3], tree.boxes[:, 3:] = np.min(boxes, axis=0)[:, :3], np.max(boxes, axis=0)[:, 3:]
 
 
-def tree_over(elements: Elements, positions: np.ndarray, leaf: int = LEAF) -> Tree:
-    """Tree built over the elements at these positions (P,3) of their nodes. Boxes are not set."""
-    return build_tree(positions[elements.nodes].mean(axis=1), leaf)
+def blocks_over(elements: Elements, centers: np.ndarray) -> Blocks:
+    """Blocks over the elements with these centers (N,D). Boxes are not set: `set_boxes`."""
+    tree = build_tree(centers)
+    sizes = [len(tree.boxes) // 2]
+    while sizes[-1] > 1 or len(sizes) == 1:
+        sizes.append(-(-sizes[-1] // LEAF))
+    first = np.cumsum([0, *sizes])
+    boxes = np.empty(first[-1] * 6 * LEAF, dtype=np.float32)
+    return Blocks(tree.order, indices(elements.nodes[tree.order]), indices(elements.identity[tree.order]), first, boxes)
 
 
 @kernel
@@ -128,17 +138,17 @@ def box_distance2(boxes, node, p):  # type: ignore[no-untyped-def]
 
 @entry
 @kernel
-def _write_blocks(blocks, nodes, positions):  # type: ignore[no-untyped-def]
-    """Set `blocks.boxes`, level by level."""
-    order, first, out = blocks
-    leaves, count = first[1], len(order)
+def set_boxes(blocks, positions):  # type: ignore[no-untyped-def]
+    """Set the boxes, in place, from the positions (P,3) of the elements' nodes."""
+    nodes, first, out = blocks.nodes, blocks.first, blocks.boxes
+    leaves, count = first[1], len(nodes)
     for leaf in range(leaves):
         begin, end = leaf * count // leaves, (leaf + 1) * count // leaves
         for lane in range(LEAF):
             for axis in range(3):
                 low, high = math.inf, -math.inf
                 if begin + lane < end:
-                    a, b, c = row(nodes, order[begin + lane])
+                    a, b, c = row(nodes, begin + lane)
                     x, y, z = positions[a, axis], positions[b, axis], positions[c, axis]
                     low, high = min(x, y, z), max(x, y, z)
                 out[(6 * leaf + axis) * LEAF + lane], out[(6 * leaf + 3 + axis) * LEAF + lane] = low, high
@@ -154,7 +164,7 @@ def _write_blocks(blocks, nodes, positions):  # type: ignore[no-untyped-def]
                     out[(6 * block + axis) * LEAF + lane], out[(6 * block + 3 + axis) * LEAF + lane] = low, high
 
 
-@kernel
+@row_kernel
 def _meets(boxes, block, low, high, out):  # type: ignore[no-untyped-def]
     """Which boxes of a block meet the box from low to high, into out (LEAF,) uint8. Rounding keeps the order of two numbers, so that none is lost by single
     precision."""
@@ -206,13 +216,13 @@ def _within(kind, reach, one, other, own, theirs):  # type: ignore[no-untyped-de
     return not _edges_apart(p, q, r, s, reach) and segment_segment(p, q, r, s)[2] <= reach * reach
 
 
-@kernel
+@inlined_kernel
 def _share(one, other):  # type: ignore[no-untyped-def]
-    for i in range(3):
-        for j in range(3):
-            if one[i] == other[j]:
-                return True
-    return False
+    """Whether two elements have a point in common; all compared, because half of those that are near have, and no guess of which is better than that."""
+    first = (one[0] == other[0]) | (one[0] == other[1]) | (one[0] == other[2])
+    second = (one[1] == other[0]) | (one[1] == other[1]) | (one[1] == other[2])
+    third = (one[2] == other[0]) | (one[2] == other[1]) | (one[2] == other[2])
+    return first | second | third
 
 
 @kernel
@@ -225,31 +235,45 @@ def _record(found, place, hits, item):  # type: ignore[no-untyped-def]
         found[place, hits] = item
 
 
+@inlined_kernel
+def _all_of(halves):  # type: ignore[no-untyped-def]
+    """One number of what `_meets` found, from its halves (2,) uint32. It writes them one after the other, and who reads at once what was written in two pieces
+    waits until both are in the cache."""
+    return np.uint64(halves[0]) | (np.uint64(halves[1]) << np.uint64(32))
+
+
+@inlined_kernel
+def _lowest(met):  # type: ignore[no-untyped-def]
+    """Number of the lowest byte that is 1, in a number of such bytes and zeros."""
+    return np.int64(((met & (~met + np.uint64(1))) * np.uint64(_LOWEST)) >> np.uint64(56))
+
+
 @making_kernel
-def _near_of(places, search, sides, blocks, positions, rows, found):  # type: ignore[no-untyped-def]
-    (kind, reach), (own, theirs) = search, positions
+def _near_of(mine, search, queries, items, positions, rows, found):  # type: ignore[no-untyped-def]
+    (kind, reach), (own, theirs), (leaves, starts) = search, positions, rows
     # By names of their own: here references to arrays are counted wherever a tuple gives one.
-    queries, items = sides
-    own_nodes, own_twins, item_nodes, item_twins = queries.nodes, queries.identity, items.nodes, items.identity
-    order, first, boxes = blocks
-    leaves, count, top, once = first[1], len(order), len(first) - 2, kind == EDGE_EDGE_ONCE
-    halvings = 0  # that make the leaves: a shift takes a tenth of a division
-    while 1 << halvings < leaves:
-        halvings += 1
+    own_nodes, own_twins, item_nodes, item_twins, order, first, boxes = (
+        queries.nodes, queries.identity, items.nodes, items.identity, items.order, items.first, items.boxes,
+    )  # fmt: skip
+    own_leaves, own_count, item_leaves, item_count = queries.first[1], len(own_nodes), first[1], len(item_nodes)
+    top, once, one = len(first) - 2, kind == EDGE_EDGE_ONCE, np.uint64(1)
     meets, left, at = np.empty(LEAF, dtype=np.uint8), np.empty(_MOST_LEVELS + 1, dtype=np.uint64), np.empty(_MOST_LEVELS + 1, dtype=np.int64)
-    all_of, one = meets.view(np.uint64), np.uint64(1)
-    for place in range(places[0], places[1]):
-        # Among themselves: each element looks at those after it in the tree, from its own leaf on.
-        slot_before = rows[place] if once else -1
-        query = order[slot_before] if once else rows[place]
-        begin = ((slot_before + 1) * leaves + count - 1) // count - 1 if once else 0
-        nodes, twins = row(own_nodes, query), row(own_twins, query)
-        a, b, c = row(own, nodes[0]), row(own, nodes[1]), row(own, nodes[2])
-        low = (min(a[0], b[0], c[0]) - reach, min(a[1], b[1], c[1]) - reach, min(a[2], b[2], c[2]) - reach)
-        high = (max(a[0], b[0], c[0]) + reach, max(a[1], b[1], c[1]) + reach, max(a[2], b[2], c[2]) + reach)
-        hits, level, block = 0, top, np.int64(0)
+    halves, corners = meets.view(np.uint32), np.empty((LEAF, 6))
+    for n in range(mine[0], mine[1]):
+        leaf, start = leaves[n], starts[n]
+        begin, end = leaf * own_count // own_leaves, (leaf + 1) * own_count // own_leaves
+        low, high = (math.inf, math.inf, math.inf), (-math.inf, -math.inf, -math.inf)
+        for k in range(end - begin):
+            nodes = row(own_nodes, begin + k)
+            a, b, c = row(own, nodes[0]), row(own, nodes[1]), row(own, nodes[2])
+            for axis in range(3):
+                corners[k, axis], corners[k, 3 + axis] = min(a[axis], b[axis], c[axis]) - reach, max(a[axis], b[axis], c[axis]) + reach
+            low = (min(low[0], corners[k, 0]), min(low[1], corners[k, 1]), min(low[2], corners[k, 2]))
+            high = (max(high[0], corners[k, 3]), max(high[1], corners[k, 4]), max(high[2], corners[k, 5]))
+            found[start + k, 0] = 0
+        level, block = top, np.int64(0)
         _meets(boxes, first[level], low, high, meets)
-        met = all_of[0]
+        met = _all_of(halves)
         while True:
             if met == 0:
                 if level == top:
@@ -257,65 +281,74 @@ def _near_of(places, search, sides, blocks, positions, rows, found):  # type: ig
                 level += 1
                 met, block = left[level], at[level]
                 continue
-            lane = np.int64(((met & (~met + one)) * np.uint64(_LOWEST)) >> np.uint64(56))
+            below = LEAF * block + _lowest(met)
             met &= met - one
-            if level > 0:
-                below = LEAF * block + lane
-                if (below + 1) << (3 * (level - 1)) > begin:
-                    left[level], at[level] = met, block
-                    level, block = level - 1, below
-                    _meets(boxes, first[level] + block, low, high, meets)
-                    met = all_of[0]
-            else:
-                slot = (block * count >> halvings) + lane
-                if slot > slot_before:
-                    item = order[slot]
-                    if not _share(twins, row(item_twins, item)) and _within(kind, reach, nodes, row(item_nodes, item), own, theirs):
-                        hits += 1
-                        _record(found, place, hits, item)
-        found[place, 0] = hits
+            # Among themselves each element looks at those after it in the tree.
+            if once and (below + 1) << (3 * (level - 1)) <= leaf:
+                continue
+            if level > 1:
+                left[level], at[level] = met, block
+                level, block = level - 1, below
+                _meets(boxes, first[level] + block, low, high, meets)
+                met = _all_of(halves)
+                continue
+            first_of_leaf = below * item_count // item_leaves
+            for k in range(end - begin):
+                _meets(boxes, below, (corners[k, 0], corners[k, 1], corners[k, 2]), (corners[k, 3], corners[k, 4], corners[k, 5]), meets)
+                inside, nodes, twins = _all_of(halves), row(own_nodes, begin + k), row(own_twins, begin + k)
+                while inside != 0:
+                    place = first_of_leaf + _lowest(inside)
+                    inside &= inside - one
+                    if once and place <= begin + k:
+                        continue
+                    if not _share(twins, row(item_twins, place)) and _within(kind, reach, nodes, row(item_nodes, place), own, theirs):
+                        found[start + k, 0] += 1
+                        _record(found, start + k, found[start + k, 0], order[place])
 
 
 @entry
 @parallel_kernel
-def _near(kind, reach, queries, items, blocks, positions, rows, found):  # type: ignore[no-untyped-def]
-    """For each query element of `rows` (of edges among themselves: for each slot of the tree) the items within reach, rising: found (R,1+K), first their
+def _near(kind, reach, queries, items, positions, leaves, starts, found):  # type: ignore[no-untyped-def]
+    """For each query element of these leaves (L,), by their places from the row starts[n] on, the items within reach, rising: found (R,1+K), first their
     number. A number above K says that it overflowed."""
     for chunk in prange(CHUNKS):
-        _near_of(chunk_range(chunk, len(rows)), (kind, reach), (queries, items), blocks, positions, rows, found)
+        _near_of(chunk_range(chunk, len(leaves)), (kind, reach), queries, items, positions, (leaves, starts), found)
 
 
-def blocks_of(tree: Tree, elements: Elements, positions: np.ndarray) -> Blocks:
-    """Blocks of a tree over these elements, of at most LEAF a leaf, at positions (P,3) of their nodes. The boxes of the tree itself may be old."""
-    sizes = [len(tree.boxes) // 2]
-    while sizes[-1] > 1:
-        sizes.append(-(-sizes[-1] // LEAF))
-    first = np.cumsum([0, *sizes])
-    blocks = Blocks(tree.order, first, np.empty(first[-1] * 6 * LEAF, dtype=np.float32))
-    _write_blocks(blocks, elements.nodes, positions)
-    return blocks
+@entry
+@kernel
+def _collect(queries, found, places, out):  # type: ignore[no-untyped-def]
+    """Pairs of the query of each row (R,) with what `_near` found, into out (K,2) from the place of the query on."""
+    for n in range(len(queries)):
+        for k in range(found[n, 0]):
+            out[places[queries[n]] + k, 0], out[places[queries[n]] + k, 1] = queries[n], found[n, 1 + k]
 
 
-def near_pairs(kind: int, reach: float, queries: Elements, items: Elements, blocks: Blocks, positions: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+def near_pairs(kind: int, reach: float, queries: Blocks, items: Blocks, positions: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
     """All pairs (query, item) (K,2) int32 within `reach` that share no identity, in rising order.
 
-    kind: POINT_TRIANGLE, TRIANGLE_POINT (queries are named first), EDGE_EDGE, or EDGE_EDGE_ONCE for edges among themselves, each pair once;
-    positions: of the queries' nodes and of the items' nodes, m, as is reach; blocks: over the items, where they are.
+    kind: POINT_TRIANGLE, TRIANGLE_POINT (queries are named first), EDGE_EDGE, or EDGE_EDGE_ONCE for edges among themselves, each pair once; items: with boxes
+    where they are; positions: of the queries' nodes and of the items' nodes, m, as is reach.
     """
-    parts = []
-    for begin in range(0, len(queries.nodes), _QUERIES):
-        rows, width = np.arange(begin, min(begin + _QUERIES, len(queries.nodes)), dtype=np.int32), _WIDTH
-        while len(rows):
-            found = np.empty((len(rows), 1 + width), dtype=np.int32)
-            _near(kind, reach, queries, items, blocks, positions, rows, found)
-            counts = found[:, 0]
-            kept = np.flatnonzero((counts > 0) & (counts <= width))
-            filled = np.arange(width) < counts[kept, None]
-            parts.append(np.stack([np.repeat(rows[kept], counts[kept]), found[kept, 1:][filled]], axis=1))
-            rows, width = rows[counts > width], int(counts.max())
-    pairs = np.concatenate(parts) if parts else np.zeros((0, 2), dtype=np.int32)
+    count, leaves, parts = len(queries.order), int(queries.first[1]), []
+    bounds, counts = np.arange(leaves + 1) * count // leaves, np.zeros(count, dtype=np.int64)
+    for begin in range(0, leaves if count and len(items.order) else 0, _LEAVES):
+        chosen, width = np.arange(begin, min(begin + _LEAVES, leaves)), _WIDTH
+        while len(chosen):
+            sizes = bounds[chosen + 1] - bounds[chosen]
+            starts = np.append(0, np.cumsum(sizes))
+            found = np.empty((starts[-1], 1 + width), dtype=np.int32)
+            _near(kind, reach, queries, items, positions, chosen, starts, found)
+            most = np.maximum.reduceat(found[:, 0], starts[:-1])
+            found[np.repeat(most > width, sizes), 0] = 0  # all of a leaf are looked for again
+            asked = queries.order[np.repeat(bounds[chosen] - starts[:-1], sizes) + np.arange(starts[-1])]
+            counts[asked] += found[:, 0]
+            parts.append((asked, found))
+            chosen, width = chosen[most > width], int(most.max())
+    pairs, places = np.empty((int(counts.sum()), 2), dtype=np.int32), np.cumsum(counts) - counts
+    for asked, found in parts:
+        _collect(asked, found, places, pairs)
     if kind == EDGE_EDGE_ONCE:
-        pairs[:, 0] = blocks.order[pairs[:, 0]]
         pairs.sort(axis=1)
         return indices(pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))])
-    return indices(pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))] if len(parts) > 1 else pairs)
+    return pairs

@@ -8,7 +8,7 @@ from scipy.sparse import csr_matrix
 from garmentcad.arrays import floats, indices, unique_pairs
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.weld import welded_particles
-from garmentcad.contact.bvh import EDGE_EDGE_ONCE, POINT_TRIANGLE, blocks_of, build_tree, near_pairs, tree_over
+from garmentcad.contact.bvh import EDGE_EDGE_ONCE, POINT_TRIANGLE, blocks_over, near_pairs, set_boxes
 from garmentcad.contact.elements import elements, unique_edges
 from garmentcad.units import MM_TO_M
 
@@ -30,8 +30,9 @@ class ClothElements:
         # Neighbours on the pattern stay neighbours on the body, so the trees are built there, once.
         rest = np.zeros((count, 3))
         rest[cloth.vertex_particle] = _laid_out(cloth)
-        self._triangle_tree = build_tree(_laid_out(cloth)[cloth.triangles].mean(axis=1))
-        self._edge_tree = build_tree(rest[edges].mean(axis=1))
+        self.point_blocks = blocks_over(self.points, rest[self.points.nodes[:, 0]])
+        self.triangle_blocks = blocks_over(self.triangles, _laid_out(cloth)[cloth.triangles].mean(axis=1))
+        self.edge_blocks = blocks_over(self.edges, rest[edges].mean(axis=1))
         self._neighbours = _Neighbours(cloth, identity, edges, _REST * largest_gap)
         self._identity, self._ends = identity, identity[edges]
         self.let_pass(np.zeros(count, dtype=bool))
@@ -47,16 +48,17 @@ class ClothElements:
     def pairs(self, positions: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:
         """Nodes (N,4) of vertex-triangle and of edge-edge pairs of the cloth with itself that are closer than `reach` m, neighbours left out."""
         both = (positions, positions)
-        triangles, edges = blocks_of(self._triangle_tree, self.triangles, positions), blocks_of(self._edge_tree, self.edges, positions)
-        touched = near_pairs(POINT_TRIANGLE, reach, self.points, self.triangles, triangles, both)
-        crossed = near_pairs(EDGE_EDGE_ONCE, reach, self.edges, self.edges, edges, both)
+        set_boxes(self.triangle_blocks, positions)
+        set_boxes(self.edge_blocks, positions)
+        touched = near_pairs(POINT_TRIANGLE, reach, self.point_blocks, self.triangle_blocks, both)
+        crossed = near_pairs(EDGE_EDGE_ONCE, reach, self.edge_blocks, self.edge_blocks, both)
         touched = touched[~self._neighbours.vertex_triangle(self.points.nodes[touched[:, 0], 0], touched[:, 1])]
         crossed = crossed[~self._neighbours.edge_edge(crossed[:, 0], crossed[:, 1])]
         points = np.concatenate([self.points.nodes[touched[:, 0], :1], self.triangles.nodes[touched[:, 1]]], axis=1)
-        crossing = np.concatenate([self.edges.nodes[crossed[:, 0], :2], self.edges.nodes[crossed[:, 1], :2]], axis=1)
+        edges = np.concatenate([self.edges.nodes[crossed[:, 0], :2], self.edges.nodes[crossed[:, 1], :2]], axis=1)
         if self._passing.any():
-            points, crossing = points[self._kept(points)], crossing[self._kept(crossing)]
-        return points, crossing
+            points, edges = points[self._kept(points)], edges[self._kept(edges)]
+        return points, edges
 
     def _kept(self, nodes: np.ndarray) -> np.ndarray:
         """(K,) bool: of pairs by their nodes (K,4), those that do not pass."""
@@ -73,7 +75,9 @@ class _Neighbours:
     def __init__(self, cloth: Cloth, identity: np.ndarray, edges: np.ndarray, reach: float) -> None:
         vertices, laid = np.arange(len(cloth.vertex_panel)), _laid_out(cloth)
         points, sides = elements(vertices, vertices), elements(unique_edges(cloth.triangles), vertices)
-        near = near_pairs(POINT_TRIANGLE, reach, points, sides, blocks_of(tree_over(sides, laid), sides, laid), (laid, laid))
+        ways = blocks_over(sides, laid[sides.nodes[:, :2]].mean(axis=1))
+        set_boxes(ways, laid)
+        near = near_pairs(POINT_TRIANGLE, reach, blocks_over(points, laid), ways, (laid, laid))
         welded = identity[cloth.vertex_particle]
         corner, ends = near[:, 0], sides.nodes[near[:, 1], :2]
         count, triangles = int(identity.max(initial=0)) + 1, welded[cloth.triangles]
