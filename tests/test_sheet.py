@@ -33,6 +33,7 @@ REFUSED = [
     pytest.param({"W": {"value": 12, "sorce": "me"}}, "W.sorce", "did you mean 'source'", id="unknown word in a value"),
     pytest.param({"B": {"warp": {"source": "me"}}}, "B.warp.value", "missing", id="value without number"),
     pytest.param({"W": {"value": 12, "source": "a", "estimate": "b"}}, "W", "not both", id="measured and estimated"),
+    pytest.param({"W": {"value": 12, "estimate": None}}, "W", "`estimate` is empty; give the rule", id="estimated by no rule"),
     pytest.param({"source": None, "W": 12}, "W", "no source", id="no source"),
     pytest.param({"sources": {"MAT15": "..."}, "W": {"value": 12, "source": "MAT51"}}, "W", "did you mean 'MAT15'", id="unknown source"),
     pytest.param({"schema": 2}, "schema", "2 came", id="schema"),

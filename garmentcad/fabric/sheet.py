@@ -13,6 +13,7 @@ from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic_core import PydanticCustomError
 
 from garmentcad.errors import FabricError, did_you_mean
 from garmentcad.fabric.quantity import BENDING_WAYS, KEYS, QUANTITIES, quantity_of
@@ -38,6 +39,9 @@ class KesValue(_Model):
     @model_validator(mode="before")
     @classmethod
     def _number_alone(cls, data: Any) -> Any:
+        if isinstance(data, Mapping) and "estimate" in data and data["estimate"] is None:
+            # left out, the value would count as measured by whom the sheet names
+            raise PydanticCustomError("no_rule", "`estimate` is empty; give the rule by which the value was estimated")
         return data if isinstance(data, Mapping | BaseModel) else {"value": data}
 
 
