@@ -12,6 +12,7 @@ from garmentcad.cloth.state import State
 from garmentcad.contact.contact import Contact
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.assembly import ForceAssembly
+from garmentcad.forces.button import ForceButton, Shanks
 from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
 from garmentcad.forces.time_step import DAMPING_RATIO, SAFETY
@@ -81,11 +82,12 @@ def banded() -> tuple[Cloth, MaterialTable]:
     return build_cloth(pattern, material_of, table, H_MM), table
 
 
-def swinging(stages: int, monkeypatch: pytest.MonkeyPatch, damping_ratio: float = 0.0) -> tuple[Dynamics, State]:
+def swinging(stages: int, monkeypatch: pytest.MonkeyPatch, damping_ratio: float = 0.0, button: ForceButton | None = None) -> tuple[Dynamics, State]:
     """The sheet hangs from its upper edge and swings in true motion. stages: all of it is one block, so that none would pay."""
     cloth, table = banded()
     monkeypatch.setattr(stepper, "stages_for", lambda *_: stages)
-    forces = ForceAssembly(internal_forces(cloth, table, damping_ratio), cloth.particle_count, [ForceGravity(cloth.masses)])
+    laws = internal_forces(cloth, table, damping_ratio) + ([] if button is None else [button])
+    forces = ForceAssembly(laws, cloth.particle_count, [ForceGravity(cloth.masses)])
     positions = np.column_stack([cloth.vertex_uv_mm * 1e-3, np.zeros(len(cloth.vertex_uv_mm))])
     depth = 1e-3 * HEIGHT_MM - positions[:, 1]
     dynamics = Dynamics(cloth, forces, strain_limit(cloth, table), Contact(cloth, table), depth < 1e-9)
@@ -110,6 +112,18 @@ def test_a_stiff_band_no_longer_shortens_the_steps(monkeypatch: pytest.MonkeyPat
     assert len(particles) > 50
     assert (long.cloth.vertex_uv_mm[particles, 1] > HEIGHT_MM - BAND_MM - H_MM).all()
     assert (len(short._stiff[2]), len(long._stiff[2])) == (0, 2)
+
+
+def test_what_a_shank_holds_takes_no_longer_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Shanks are damped far more than cloth, and no frequency shows it."""
+    plain, _ = swinging(3, monkeypatch)
+    triangles = plain.cloth.particle_triangles
+    stiff = triangles[np.isin(triangles, plain._stiff[1]).all(axis=1)]
+    held = stiff[[0, -1]]
+    shanks = Shanks(held[None], np.full((1, 2, 3), 1.0 / 3.0), np.array([2e-3]), np.array([1e-6]), np.array([0.0]))
+    buttoned, _ = swinging(3, monkeypatch, button=ForceButton(shanks))
+    assert len(np.unique(held)) == 6
+    assert set(buttoned._stiff[1].tolist()) == set(plain._stiff[1].tolist()) - set(held.ravel().tolist())
 
 
 @pytest.mark.parametrize("damping_ratio", [0.0, DAMPING_RATIO])
