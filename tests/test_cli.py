@@ -70,6 +70,7 @@ def test_body_of_measurements_is_made_and_read_again(tmp_path: Path) -> None:
         (("fit", "nowhere"), "report.json"),
         (("fit", "nowhere", "--line", "hip"), "HEIGHT in mm"),
         (("export", "nowhere", "-o", "x.obj", "--mannequin", "woman-88"), "--mannequin: a draped garment stays on its mannequin"),
+        (("export", "nowhere", "-o", "x.obj", "--set", "length=500"), "--set: a draped garment has its parameters"),
         (("compare", "nowhere", "elsewhere", "--view", "back"), "--view: back is said of a picture"),
         (("compare", "nowhere", "elsewhere", "--map", "strain", "-o", "x.csv"), "--map: strain is said of a picture"),
         (("test", "nowhere", "--lays", "5"), "--lays: lays are those of a baseline"),

@@ -100,3 +100,13 @@ panels:
     run = garmentcad_here("export", "x.yaml", "-o", "x.json", folder=tmp_path)
     assert (run.returncode, run.stdout) == (2, "")
     assert run.stderr.startswith("garmentcad: x.yaml: panels.p.cutouts: GarmentCode files have no cutouts")
+
+
+def test_a_pattern_is_exported_with_other_parameters(tmp_path: Path) -> None:
+    """The straight skirt 100 mm shorter: its panels, by the reader of the format, are lower by that, and its waistband is the same."""
+    for name, options in (("long", ()), ("short", ("--set", "length=500"))):
+        run = garmentcad_here("export", "straight-skirt", "-o", f"{name}.json", *options, folder=tmp_path)
+        assert run.returncode == 0, run.stderr
+    long, short = (make_job(str(tmp_path / f"{name}.json")).pattern.panels for name in ("long", "short"))
+    heights = {name: [np.ptp([edge.curve.start[1] for edge in panels[name].edges]) for panels in (long, short)] for name in long}
+    assert {name: round(a - b, 1) for name, (a, b) in heights.items()} == {name: 0.0 if "band" in name else 100.0 for name in heights}

@@ -9,6 +9,7 @@ from typing import Annotated
 
 import typer
 
+from garmentcad.cli.named import named_numbers
 from garmentcad.errors import InputError, SpecError
 
 
@@ -56,6 +57,7 @@ def export(
     source: Annotated[str, typer.Argument(help="A result folder; or, for patterns, a shipped garment or a spec.")],
     out: Annotated[Path, typer.Option("--out", "-o", help="The file to write: .obj, .glb or .png (draped), .json (pattern, GarmentCode).")],
     mannequin: Annotated[str | None, typer.Option(help="Whom a pattern (.json) is drafted for, in place of the spec's.")] = None,
+    values: Annotated[list[str] | None, typer.Option("--set", help="NAME=NUMBER: a parameter of a pattern (.json). May stand several times.")] = None,
 ) -> None:
     """Write a draped garment, or a pattern, in another format. What the format cannot say is said on stderr."""
     from garmentcad.export.glb import write_garment_glb
@@ -64,13 +66,15 @@ def export(
     from garmentcad.export.result_folder import read_result_folder
 
     if out.suffix == ".json":
-        _export_pattern(source, out, mannequin)
+        _export_pattern(source, out, mannequin, named_numbers(values, "--set"))
         return
     kinds = {".obj": "mesh", ".glb": "scene", ".png": "picture", ".json": "pattern"}
     if out.suffix not in kinds:
         raise InputError(f"cannot write '{out.suffix or out.name}'; allowed are {', '.join(kinds)}", file=str(out), key="--out")
     if mannequin is not None:
         raise InputError(f"a draped garment stays on its mannequin; patterns are drafted for another one (.json), not {out.suffix}", key="--mannequin")
+    if values:
+        raise InputError(f"a draped garment has its parameters; patterns are drafted with others (.json), not {out.suffix}", key="--set")
     result = read_result_folder(Path(source))
     if out.suffix == ".obj":
         write_garment_obj(out, result.cloth, result.state.positions)
@@ -81,11 +85,11 @@ def export(
     print(out)
 
 
-def _export_pattern(source: str, out: Path, mannequin: str | None) -> None:
+def _export_pattern(source: str, out: Path, mannequin: str | None, values: dict[str, float]) -> None:
     from garmentcad.export.garmentcode import write_garmentcode
     from garmentcad.simulation.job import make_job
 
-    job = make_job(source, mannequin=mannequin)
+    job = make_job(source, mannequin=mannequin, values=values)
     try:
         notes = write_garmentcode(out, job.pattern, job.mannequin)
     except SpecError as fault:  # a pattern does not know its file
