@@ -84,7 +84,7 @@ def test_boxes_hold_their_elements_and_every_element_has_one_leaf() -> None:
     rng = np.random.default_rng(3)
     positions, triangles = soup(rng, 77)
     tree = build_tree(positions[triangles].mean(axis=1))
-    refit(tree, elements(triangles, np.arange(len(positions))).nodes, positions)
+    refit(tree, np.ascontiguousarray(triangles, dtype=np.int32), positions)
     assert sorted(tree.order) == list(range(77))
     leaves = len(tree.boxes) // 2
     for leaf in range(leaves):

@@ -46,7 +46,7 @@ class Elements(NamedTuple):
 
 class Blocks(NamedTuple):
     """A tree for `near_pairs`, with its elements by their places along the leaves. order: (N,) int32 element at each place; nodes, identity: (N,3) int32 of it;
-    first (levels+1,): number of the first block of each level, and of all blocks; boxes (6 x LEAF x blocks,) in single precision: low and then high corners of
+    first (levels+1,) int64: number of the first block of each level, and of all blocks; boxes (6 x LEAF x blocks,) float32, m: low and then high corners of
     eight boxes side by side, empty ones where there are fewer."""
 
     order: np.ndarray

@@ -141,7 +141,7 @@ class Dynamics:
         home = state.contact.get("stiff_home")
         known = home is not None and np.array_equal(key, state.contact["stiff_key"])
         if known and home is not self._estimated_at:
-            self._estimate_at_home(state)
+            self._estimate_at_home(state)  # a resumed run, or other particles held: what was estimated there is not known here
         fresh = home is None or not known or self._moved_on(state, home)
         if home is None:
             state.contact |= {"stiff_held": np.zeros_like(state.positions), "stiff_weight": np.ones(len(state.positions))}
@@ -155,6 +155,7 @@ class Dynamics:
         self.seconds["stiffness"] += time.perf_counter() - began
 
     def _estimate_at_home(self, state: State) -> None:
+        """Set time step and masses by the tangents where they were last looked at, `stiff_home` of the state."""
         self._estimated_at = state.contact["stiff_home"]
         self.forces.stiffness(self._estimated_at, self._stiffness)
         self._choose_step(state, self.equalise, self.measured)
