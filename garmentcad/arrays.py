@@ -18,7 +18,7 @@ os.environ.setdefault("GOMP_SPINCOUNT", "3000000")
 
 import llvmlite.binding as llvm
 import numpy as np
-from numba import get_num_threads, njit
+from numba import config, get_num_threads, njit
 from numba.core.compiler import Compiler
 from numba.core.registry import CPUDispatcher
 
@@ -27,6 +27,12 @@ from garmentcad.kernel_cache import KernelCache, keep_apart
 # Loops over many arrays use wide instructions only where the compiler may check at run time that the arrays do not overlap; by default it gives up after a few.
 for _option in ("-runtime-memory-check-threshold=4000", "-vectorize-memory-check-threshold=4000", "-memory-check-merge-threshold=4000"):
     llvm.set_option("garmentcad", _option)
+
+# On Intel's processors LLVM keeps to half of the widest registers, because the first that had them slowed down when they were used. With those that have this
+# feature, from Sapphire Rapids on, a settling skirt takes a tenth less when all are used (on Emerald Rapids; forces a fifth). The bits are the same.
+_features = llvm.get_host_cpu_features()
+if _features.get("avx512fp16") and not config.CPU_FEATURES:  # type: ignore[attr-defined]
+    config.CPU_FEATURES = f"{_features.flatten()},-prefer-256-bit"  # type: ignore[attr-defined]
 
 # Strict floating point. Contraction to fused operations would be 9 % faster, but which products it fuses changes with what a kernel is compiled into, and a
 # process that has just compiled calls other copies of a kernel than one that loads it: the same run would end in other bits.
