@@ -31,7 +31,7 @@ for _option in ("-runtime-memory-check-threshold=4000", "-vectorize-memory-check
 # On Intel's processors LLVM keeps to half of the widest registers, because the first that had them slowed down when they were used. With those that have this
 # feature, from Sapphire Rapids on, a settling skirt takes a tenth less when all are used (on Emerald Rapids; forces a fifth). The bits are the same.
 _features = llvm.get_host_cpu_features()
-if _features.get("avx512fp16") and not config.CPU_FEATURES:  # type: ignore[attr-defined]
+if _features.get("avx512fp16") and config.CPU_FEATURES is None:  # type: ignore[attr-defined]
     config.CPU_FEATURES = f"{_features.flatten()},-prefer-256-bit"  # type: ignore[attr-defined]
 
 # Strict floating point. Contraction to fused operations would be 9 % faster, but which products it fuses changes with what a kernel is compiled into, and a
