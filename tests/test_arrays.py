@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import subprocess
+import sys
 import threading
 
 import pytest
@@ -76,3 +78,10 @@ def test_runs_in_two_threads_leave_no_processor_unused(processors: dict[int, set
     assert (processors[mine], processors[beside.native_id or 0]) == (ALL, ALL)
     with threads_apart():
         assert processors[mine] == {0}, "the next run is kept apart again"
+
+
+def test_what_a_user_names_of_the_processor_stays() -> None:
+    """Kernels for any processor, as someone wants who compares bits: an empty list of features is one, too."""
+    told = "import garmentcad.arrays; from numba import config; print(repr(config.CPU_FEATURES))"
+    done = subprocess.run([sys.executable, "-c", told], env=os.environ | {"NUMBA_CPU_FEATURES": ""}, capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "''"

@@ -1,0 +1,67 @@
+"""Drapes of the wardrobe once more on this machine: do they end in the bits that another one has recorded (docs/studies/wardrobe.jsonl)?
+
+`python -m tools.machines_study [--minutes 30] [TEXT]` drapes cases (with TEXT in their name) that have no row for this processor yet, for as long, and writes
+docs/studies/machines.md. Every seventh case first, so that a short run is a broad one.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from garmentcad.io.atomic import write_atomic
+from garmentcad.simulation.record import record
+from garmentcad.simulation.run import run
+from garmentcad.simulation.study import StudyCase, read_rows, run_study, study_table
+from tools.wardrobe_study import FOLDER, cases, job_of
+
+# The wardrobe's rows of this engine were all made on one machine.
+RECORDED_ON = "AMD EPYC (Zen 5)"
+_STRIDE = 7
+COLUMNS = {"case": "case", "processor": "processor", "steps": "steps", "recorded": "recorded", "here": "here", "same bits": "same"}
+
+
+def processor() -> str:
+    """What the system calls this processor, with its model number where the name says little."""
+    lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    told = {name.strip(): value.strip() for name, _, value in (line.partition(":") for line in reversed(lines))}
+    return f"{told.get('model name', 'unknown')} (family {told.get('cpu family', '?')}, model {told.get('model', '?')})"
+
+
+def main() -> None:
+    """Run the study and write its page."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--minutes", type=float, default=1e9)
+    parser.add_argument("only", nargs="?", default="")
+    options = parser.parse_args()
+    recorded = {row["case"]: row for row in read_rows(FOLDER / "wardrobe.jsonl")}
+
+    def measured(case: StudyCase) -> Mapping[str, Any]:
+        job = job_of(case.parameters["garment"], case.fabric, case.mannequin, case.parameters["grid_mm"])
+        made, _ = record(run(job, lambda progress: None))
+        before = recorded[case.name]
+        if before["spec_sha256"] != case.spec_sha256:
+            raise SystemExit(f"{case.name}: recorded of another spec")
+        same = made.state_sha256 == before["state_sha256"]
+        return {"steps": made.steps, "recorded": before["state_sha256"][:16], "here": made.state_sha256[:16], "same": "yes" if same else "NO"}
+
+    whole = [replace(case, parameters={**case.parameters, "processor": processor()}) for case in cases() if case.name in recorded]
+    whole = [case for first in range(_STRIDE) for case in whole[first::_STRIDE]]
+    end = time.monotonic() + 60.0 * options.minutes
+    for case in whole:
+        if time.monotonic() < end and options.only in case.name:
+            run_study("machines", [case], measured, FOLDER, say=print)
+    rows = read_rows(FOLDER / "machines.jsonl")
+    alike, machines = sum(row["same"] == "yes" for row in rows), dict.fromkeys(row["processor"] for row in rows)
+    title = f"The same bits on another machine: {alike} of {len(rows)} drapes"
+    said = f"Recorded on {RECORDED_ON} by the wardrobe study (20 mm), draped again on {', '.join(machines)}. First 16 digits of `state_sha256`."
+    write_atomic(FOLDER / "machines.md", "\n".join([f"# {title}", "", said, "", study_table(rows, COLUMNS, "python -m tools.machines_study")]))
+    print(title)
+
+
+if __name__ == "__main__":
+    main()
