@@ -48,6 +48,7 @@ study: $(VENV)/.installed
 	$(BIN)/python -m tools.jitter_study
 	$(BIN)/python -m tools.kill_study
 	$(BIN)/python -m tools.determinism_study
+	$(BIN)/python -m tools.machines_study --minutes 30
 	$(BIN)/python -m tools.passport_study
 	$(BIN)/python -m tools.drape_study
 	$(BIN)/python -m tools.fuzz_study

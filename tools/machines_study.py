@@ -10,26 +10,17 @@ import argparse
 import time
 from collections.abc import Mapping
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 from garmentcad.io.atomic import write_atomic
 from garmentcad.simulation.record import record
 from garmentcad.simulation.run import run
 from garmentcad.simulation.study import StudyCase, read_rows, run_study, study_table
-from tools.wardrobe_study import FOLDER, cases, job_of
+from tools.wardrobe_study import FOLDER, cases, job_of, processor
 
-# The wardrobe's rows of this engine were all made on one machine.
-RECORDED_ON = "AMD EPYC (Zen 5)"
+RECORDED_ON = "AMD EPYC (Zen 5)"  # of rows of before they name their processor
 _STRIDE = 7
-COLUMNS = {"case": "case", "processor": "processor", "steps": "steps", "recorded": "recorded", "here": "here", "same bits": "same"}
-
-
-def processor() -> str:
-    """What the system calls this processor, with its model number where the name says little."""
-    lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-    told = {name.strip(): value.strip() for name, _, value in (line.partition(":") for line in reversed(lines))}
-    return f"{told.get('model name', 'unknown')} (family {told.get('cpu family', '?')}, model {told.get('model', '?')})"
+COLUMNS = {"case": "case", "steps": "steps", "recorded on": "recorded_on", "bits": "recorded", "again on": "processor", "its bits": "here", "same": "same"}
 
 
 def main() -> None:
@@ -46,8 +37,9 @@ def main() -> None:
         before = recorded[case.name]
         if before["spec_sha256"] != case.spec_sha256:
             raise SystemExit(f"{case.name}: recorded of another spec")
-        same = made.state_sha256 == before["state_sha256"]
-        return {"steps": made.steps, "recorded": before["state_sha256"][:16], "here": made.state_sha256[:16], "same": "yes" if same else "NO"}
+        bits = {"recorded": before["state_sha256"][:16], "here": made.state_sha256[:16]}
+        same = "yes" if made.state_sha256 == before["state_sha256"] else "NO"
+        return {"steps": made.steps, "recorded_on": before.get("processor", RECORDED_ON), **bits, "same": same}
 
     whole = [replace(case, parameters={**case.parameters, "processor": processor()}) for case in cases() if case.name in recorded]
     whole = [case for first in range(_STRIDE) for case in whole[first::_STRIDE]]
@@ -56,9 +48,9 @@ def main() -> None:
         if time.monotonic() < end and options.only in case.name:
             run_study("machines", [case], measured, FOLDER, say=print)
     rows = read_rows(FOLDER / "machines.jsonl")
-    alike, machines = sum(row["same"] == "yes" for row in rows), dict.fromkeys(row["processor"] for row in rows)
+    alike = sum(row["same"] == "yes" for row in rows)
     title = f"The same bits on another machine: {alike} of {len(rows)} drapes"
-    said = f"Recorded on {RECORDED_ON} by the wardrobe study (20 mm), draped again on {', '.join(machines)}. First 16 digits of `state_sha256`."
+    said = "Drapes at 20 mm that the wardrobe study has recorded, once more. Bits: the first 16 digits of `state_sha256`."
     write_atomic(FOLDER / "machines.md", "\n".join([f"# {title}", "", said, "", study_table(rows, COLUMNS, "python -m tools.machines_study")]))
     print(title)
 

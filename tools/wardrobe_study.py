@@ -72,13 +72,21 @@ def cases() -> list[StudyCase]:
     return found
 
 
+def processor() -> str:
+    """What the system calls this processor, with the numbers of its model, where the name may say little."""
+    lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    told = {name.strip(): value.strip() for name, _, value in (line.partition(":") for line in reversed(lines))}
+    return f"{told.get('model name', 'unknown')} (family {told.get('cpu family', '?')}, model {told.get('model', '?')})"
+
+
 def measured(case: StudyCase) -> Mapping[str, Any]:
     """The figures of one drape."""
     job = job_of(case.parameters["garment"], case.fabric, case.mannequin, case.parameters["grid_mm"])
     folder = ROOT / "out" / "wardrobe" / f"{case.name} {job.grid_mm:g} mm".replace(" ", "-")
     result, _ = finish(job, lambda progress: None, folder)
     shape = result.state.positions, result.cloth.particle_triangles, job.mannequin.vertices, job.mannequin.faces
-    return {name: result.report[name] for name in KEPT} | {"crosses": crosses(*shape), "least_distance_mm": least_distance_mm(*shape)}
+    judged = {"crosses": crosses(*shape), "least_distance_mm": least_distance_mm(*shape)}
+    return {name: result.report[name] for name in KEPT} | judged | {"processor": processor()}
 
 
 def between_sizes(rows: Sequence[Row]) -> list[Row]:
