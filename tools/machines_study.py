@@ -29,19 +29,17 @@ def main() -> None:
     parser.add_argument("--minutes", type=float, default=1e9)
     parser.add_argument("only", nargs="?", default="")
     options = parser.parse_args()
-    recorded = {row["case"]: row for row in read_rows(FOLDER / "wardrobe.jsonl")}
+    recorded = {(row["case"], row["spec_sha256"]): row for row in read_rows(FOLDER / "wardrobe.jsonl")}
 
     def measured(case: StudyCase) -> Mapping[str, Any]:
         job = job_of(case.parameters["garment"], case.fabric, case.mannequin, case.parameters["grid_mm"])
         made, _ = record(run(job, lambda progress: None))
-        before = recorded[case.name]
-        if before["spec_sha256"] != case.spec_sha256:
-            raise SystemExit(f"{case.name}: recorded of another spec")
+        before = recorded[case.name, case.spec_sha256]
         bits = {"recorded": before["state_sha256"][:16], "here": made.state_sha256[:16]}
         same = "yes" if made.state_sha256 == before["state_sha256"] else "NO"
         return {"steps": made.steps, "recorded_on": before.get("processor", RECORDED_ON), **bits, "same": same}
 
-    whole = [replace(case, parameters={**case.parameters, "processor": processor()}) for case in cases() if case.name in recorded]
+    whole = [replace(case, parameters={**case.parameters, "processor": processor()}) for case in cases() if (case.name, case.spec_sha256) in recorded]
     whole = [case for first in range(_STRIDE) for case in whole[first::_STRIDE]]
     end = time.monotonic() + 60.0 * options.minutes
     for case in whole:
