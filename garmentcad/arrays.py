@@ -28,11 +28,18 @@ from garmentcad.kernel_cache import KernelCache, keep_apart
 for _option in ("-runtime-memory-check-threshold=4000", "-vectorize-memory-check-threshold=4000", "-memory-check-merge-threshold=4000"):
     llvm.set_option("garmentcad", _option)
 
-# On Intel's processors LLVM keeps to half of the widest registers, because the first that had them slowed down when they were used. With those that have this
-# feature, from Sapphire Rapids on, a settling skirt takes a tenth less when all are used (on Emerald Rapids; forces a fifth). The bits are the same.
-_features = llvm.get_host_cpu_features()
-if _features.get("avx512fp16") and config.CPU_FEATURES is None:  # type: ignore[attr-defined]
-    config.CPU_FEATURES = f"{_features.flatten()},-prefer-256-bit"  # type: ignore[attr-defined]
+
+def wide_features(host: llvm.FeatureMap) -> str | None:
+    """What kernels are compiled for on a processor with these features; None where LLVM chooses well by itself.
+
+    On Intel's processors it keeps to half of the widest registers, because the first that had them slowed down when they were used. With those that have FP16,
+    from Sapphire Rapids on, a settling skirt takes a tenth less when all are used (on Emerald Rapids; forces a fifth). The bits are the same.
+    """
+    return f"{host.flatten()},-prefer-256-bit" if host.get("avx512fp16") else None
+
+
+if config.CPU_FEATURES is None:  # type: ignore[attr-defined]
+    config.CPU_FEATURES = wide_features(llvm.get_host_cpu_features())  # type: ignore[attr-defined]
 
 # Strict floating point. Contraction to fused operations would be 9 % faster, but which products it fuses changes with what a kernel is compiled into, and a
 # process that has just compiled calls other copies of a kernel than one that loads it: the same run would end in other bits.

@@ -7,10 +7,11 @@ import subprocess
 import sys
 import threading
 
+import llvmlite.binding as llvm
 import pytest
 
 from garmentcad import arrays
-from garmentcad.arrays import threads_apart
+from garmentcad.arrays import threads_apart, wide_features
 
 ALL = {0, 1, 2, 3}
 
@@ -78,6 +79,30 @@ def test_runs_in_two_threads_leave_no_processor_unused(processors: dict[int, set
     assert (processors[mine], processors[beside.native_id or 0]) == (ALL, ALL)
     with threads_apart():
         assert processors[mine] == {0}, "the next run is kept apart again"
+
+
+def compiled_for(cpu: str, features: str) -> str:
+    """Assembly of a loop c = a + b over doubles for an x86 processor that need not be this one."""
+    pointers, body = "ptr noalias %a, ptr noalias %b, ptr noalias %c", ""
+    for name in "abc":
+        body += f"%p{name} = getelementptr double, ptr %{name}, i64 %i\n"
+    body += "%x = load double, ptr %pa\n%y = load double, ptr %pb\n%z = fadd double %x, %y\nstore double %z, ptr %pc\n"
+    code = f"define void @add({pointers}) {{\nstart:\nbr label %loop\nloop:\n%i = phi i64 [0, %start], [%j, %loop]\n{body}"
+    code += "%j = add i64 %i, 1\n%done = icmp eq i64 %j, 4096\nbr i1 %done, label %end, label %loop\nend:\nret void\n}"
+    llvm.initialize_all_targets()
+    llvm.initialize_all_asmprinters()
+    machine = llvm.Target.from_triple("x86_64-unknown-linux-gnu").create_target_machine(cpu=cpu, features=features, opt=3)
+    module = llvm.parse_assembly(code)
+    passes = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=3))
+    passes.getModulePassManager().run(module, passes)
+    return str(machine.emit_assembly(module))
+
+
+def test_the_widest_registers_are_used_where_they_do_not_slow_down() -> None:
+    host = llvm.FeatureMap({"avx512f": True, "avx512fp16": True})
+    assert "zmm" not in compiled_for("sapphirerapids", host.flatten())
+    assert "zmm" in compiled_for("sapphirerapids", wide_features(host) or "")
+    assert wide_features(llvm.FeatureMap({"avx512f": True, "avx512fp16": False})) is None
 
 
 def test_what_a_user_names_of_the_processor_stays() -> None:

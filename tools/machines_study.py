@@ -6,8 +6,6 @@ docs/studies/machines.md. Every seventh case first, so that a short run is a bro
 
 from __future__ import annotations
 
-import argparse
-import time
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
@@ -15,8 +13,8 @@ from typing import Any
 from garmentcad.io.atomic import write_atomic
 from garmentcad.simulation.record import record
 from garmentcad.simulation.run import run
-from garmentcad.simulation.study import StudyCase, read_rows, run_study, study_table
-from tools.wardrobe_study import FOLDER, cases, job_of, processor
+from garmentcad.simulation.study import StudyCase, read_rows, study_table
+from tools.wardrobe_study import FOLDER, cases, job_of, processor, rows_within_minutes
 
 RECORDED_ON = "AMD EPYC (Zen 5)"  # of rows of before they name their processor
 _STRIDE = 7
@@ -25,13 +23,10 @@ COLUMNS = {"case": "case", "steps": "steps", "recorded on": "recorded_on", "bits
 
 def main() -> None:
     """Run the study and write its page."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--minutes", type=float, default=1e9)
-    parser.add_argument("only", nargs="?", default="")
-    options = parser.parse_args()
-    recorded = {(row["case"], row["spec_sha256"]): row for row in read_rows(FOLDER / "wardrobe.jsonl")}
+    here = processor()
+    recorded = {(row["case"], row["spec_sha256"]): row for row in read_rows(FOLDER / "wardrobe.jsonl") if row.get("processor") != here}
 
-    def measured(case: StudyCase) -> Mapping[str, Any]:
+    def compared(case: StudyCase) -> Mapping[str, Any]:
         job = job_of(case.parameters["garment"], case.fabric, case.mannequin, case.parameters["grid_mm"])
         made, _ = record(run(job, lambda progress: None))
         before = recorded[case.name, case.spec_sha256]
@@ -39,13 +34,9 @@ def main() -> None:
         same = "yes" if made.state_sha256 == before["state_sha256"] else "NO"
         return {"steps": made.steps, "recorded_on": before.get("processor", RECORDED_ON), **bits, "same": same}
 
-    whole = [replace(case, parameters={**case.parameters, "processor": processor()}) for case in cases() if (case.name, case.spec_sha256) in recorded]
-    whole = [case for first in range(_STRIDE) for case in whole[first::_STRIDE]]
-    end = time.monotonic() + 60.0 * options.minutes
-    for case in whole:
-        if time.monotonic() < end and options.only in case.name:
-            run_study("machines", [case], measured, FOLDER, say=print)
-    rows = read_rows(FOLDER / "machines.jsonl")
+    whole = [replace(case, parameters={**case.parameters, "processor": here}) for case in cases() if (case.name, case.spec_sha256) in recorded]
+    rows_within_minutes("machines", [case for first in range(_STRIDE) for case in whole[first::_STRIDE]], __doc__, compared)
+    rows = read_rows(FOLDER / "machines.jsonl")  # of other processors, too
     alike = sum(row["same"] == "yes" for row in rows)
     title = f"The same bits on another machine: {alike} of {len(rows)} drapes"
     said = "Drapes at 20 mm that the wardrobe study has recorded, once more. Bits: the first 16 digits of `state_sha256`."

@@ -11,7 +11,7 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -103,7 +103,9 @@ def between_sizes(rows: Sequence[Row]) -> list[Row]:
     return found
 
 
-def rows_within_minutes(name: str, whole: Sequence[StudyCase], description: str | None) -> tuple[Row, ...]:
+def rows_within_minutes(
+    name: str, whole: Sequence[StudyCase], description: str | None, measure: Callable[[StudyCase], Mapping[str, Any]] = measured
+) -> tuple[Row, ...]:
     """Run the cases that the command line asks for (`--minutes`, TEXT) and that have no row yet; all rows. What is refused is named at the end."""
     parser = argparse.ArgumentParser(description=description)
     parser.add_argument("--minutes", type=float, default=1e9)
@@ -115,10 +117,10 @@ def rows_within_minutes(name: str, whole: Sequence[StudyCase], description: str 
         if time.monotonic() > end:
             break
         if options.only is None or options.only in case.name:
-            failed |= run_study(name, [case], measured, FOLDER, say=print).failed
+            failed |= run_study(name, [case], measure, FOLDER, say=print).failed
     for case_name, message in failed.items():
         print(f"refused: {case_name}: {message}", file=sys.stderr)
-    return run_study(name, whole, measured, FOLDER, only="\0").rows
+    return run_study(name, whole, measure, FOLDER, only="\0").rows
 
 
 def main() -> None:
