@@ -22,7 +22,7 @@ from numba import config, get_num_threads, njit
 from numba.core.compiler import Compiler
 from numba.core.registry import CPUDispatcher
 
-from garmentcad.kernel_cache import KernelCache, keep_apart
+from garmentcad.kernel_cache import KernelCache, LastingSymbol, is_lasting, keep_apart
 
 # Loops over many arrays use wide instructions only where the compiler may check at run time that the arrays do not overlap; by default it gives up after a few.
 for _option in ("-runtime-memory-check-threshold=4000", "-vectorize-memory-check-threshold=4000", "-memory-check-merge-threshold=4000"):
@@ -63,10 +63,13 @@ def _door(inner: _Inner) -> Any:
 
 
 def _compiled(function: Any, apart: bool = False, **options: Any) -> Any:
+    if apart:
+        options["pipeline_class"] = LastingSymbol
     dispatcher = njit(**{**_INNER, **options})(function)
     if hasattr(dispatcher, "py_func"):  # NUMBA_DISABLE_JIT leaves the function as it is
         dispatcher.__class__ = _Inner
-        dispatcher._cache = KernelCache(function)
+        if is_lasting(function):
+            dispatcher._cache = KernelCache(function)
         if apart:
             keep_apart(dispatcher)
     return dispatcher

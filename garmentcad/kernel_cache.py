@@ -31,6 +31,7 @@ from typing import Any
 from numba import typeof
 from numba.core import caching, event
 from numba.core.codegen import CPUCodeLibrary
+from numba.core.compiler import Compiler
 
 _PACKAGE = Path(__file__).resolve().parent
 _IMPORT = re.compile(r"^\s*from\s+(garmentcad[\w.]*)\s+import\s+\(?([^()\n#]*(?:\([^)]*\))?)|^\s*import\s+(garmentcad[\w.]*)", re.MULTILINE)
@@ -147,10 +148,6 @@ class _SeldomCollected(event.Listener):
 event.register("numba:compile", _SeldomCollected())
 
 
-class _StaleCallee(Exception):
-    """A kernel on disk calls one that is compiled under another name by now."""
-
-
 @dataclass(frozen=True)
 class _Callee:
     """A compiled kernel that others call by its symbol. Called, it makes sure that the symbol is there: numba does so before it loads a caller from disk."""
@@ -158,23 +155,16 @@ class _Callee:
     module: str
     name: str
     arguments: tuple[Any, ...]
-    symbol: str
 
     def __call__(self) -> None:
-        dispatcher = getattr(import_module(self.module), self.name)
-        dispatcher.compile(self.arguments)
-        if dispatcher.overloads[self.arguments].fndesc.llvm_func_name != self.symbol:
-            raise _StaleCallee
+        getattr(import_module(self.module), self.name).compile(self.arguments)
 
 
 class KernelCache(caching.FunctionCache):
     """Numba's disk cache, for kernels that may call others by their symbols."""
 
     def _load_overload(self, sig: Any, target_context: Any) -> Any:
-        try:
-            found = super()._load_overload(sig, target_context)
-        except _StaleCallee:
-            return None
+        found = super()._load_overload(sig, target_context)
         if found is not None:
             found.library._reload_init.update(found.reload_init)
         return found
@@ -198,40 +188,66 @@ _take_in = CPUCodeLibrary.add_linking_library
 CPUCodeLibrary.add_linking_library = _link  # type: ignore[assignment, method-assign]
 
 
+class LastingSymbol(Compiler):
+    """Compiles as usual, but under a symbol that is the same in every process. Numba counts what it compiles, and the count is part of its symbols: one process
+    could then not call what another compiled beside it."""
+
+    def _compile_bytecode(self) -> Any:
+        identity = self.state.func_id
+        if is_lasting(identity.func):
+            name = f"{identity.modname}.{identity.func_qualname}"
+            identity.unique_id = int.from_bytes(hashlib.sha256(name.encode()).digest()[:7])
+            identity.unique_name = f"{identity.func_qualname}${identity.unique_id}"
+        return super()._compile_bytecode()
+
+
+def is_lasting(function: Any) -> bool:
+    """Whether another process finds this kernel by its module and name. What a function makes at each call it does not."""
+    return "<locals>" not in function.__qualname__
+
+
 def keep_apart(dispatcher: Any) -> None:
-    """Let those that call this kernel not take it in."""
+    """Let those that call this kernel, compiled by `LastingSymbol`, not take it in."""
     add = dispatcher.add_overload
 
     def add_apart(result: Any) -> None:
         function = dispatcher.py_func
-        result.library.callee = _Callee(function.__module__, function.__name__, tuple(result.signature.args), result.fndesc.llvm_func_name)
+        result.library.callee = _Callee(function.__module__, function.__name__, tuple(result.signature.args))
         add(result)
 
     dispatcher.add_overload = add_apart
 
 
-def compile_beside(dispatcher: Any, *arguments: Any) -> None:
-    """Let another process compile a kernel for such arguments into the cache on disk, where that has it not yet and there is a second processor for it.
+def compile_beside(*wanted: tuple[Any, tuple[Any, ...]]) -> None:
+    """Let another process compile kernels into the cache on disk, each for arguments like these, one after the other, where that has them not yet and there is
+    a second processor for it.
 
-    Nobody waits: a caller that is compiled meanwhile takes the kernel from disk if it is there by then.
+    Nobody waits: a caller that is compiled meanwhile takes a kernel from disk if it is there by then.
     """
     processors = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    if not isinstance(getattr(dispatcher, "_cache", None), KernelCache) or processors < 2 or not sys.executable:
+    if processors < 2 or not sys.executable:
         return
-    signature = tuple(typeof(argument) for argument in arguments)
-    if signature in dispatcher.overloads or dispatcher._cache.has(signature, dispatcher.targetctx):
+    missing = []
+    for dispatcher, arguments in wanted:
+        signature = tuple(typeof(argument) for argument in arguments)
+        if isinstance(getattr(dispatcher, "_cache", None), KernelCache) and not _is_compiled(dispatcher, signature):
+            missing.append((dispatcher.py_func.__module__, dispatcher.py_func.__name__, signature))
+    if not missing:
         return
-    function = dispatcher.py_func
     paths = os.pathsep.join([str(_PACKAGE.parent), *filter(None, [os.environ.get("PYTHONPATH")])])
     command = [sys.executable, "-c", "import garmentcad.kernel_cache as kernel_cache; kernel_cache._compile_sent()"]
     quiet = subprocess.DEVNULL
     beside = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=quiet, stderr=quiet, env=os.environ | {"PYTHONPATH": paths})
     assert beside.stdin is not None
     with suppress(OSError), beside.stdin as pipe:
-        pipe.write(pickle.dumps((function.__module__, function.__name__, signature)))
+        pipe.write(pickle.dumps(missing))
     atexit.register(beside.kill)
 
 
+def _is_compiled(dispatcher: Any, signature: tuple[Any, ...]) -> bool:
+    return signature in dispatcher.overloads or dispatcher._cache.has(signature, dispatcher.targetctx)
+
+
 def _compile_sent() -> None:
-    module, name, signature = pickle.load(sys.stdin.buffer)
-    getattr(import_module(module), name).compile(signature)
+    for module, name, signature in pickle.load(sys.stdin.buffer):
+        getattr(import_module(module), name).compile(signature)

@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from garmentcad.arrays import floats, indices, threads_apart
+from garmentcad.arrays import CHUNKS, floats, indices, threads_apart
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.state import State
-from garmentcad.constraints.points import ConstraintPoints, no_bonds
+from garmentcad.constraints.points import ConstraintPoints, apply_bonds, no_bonds
 from garmentcad.contact.contact import SURGE, Contact, farthest, respond
 from garmentcad.errors import GarmentError
 from garmentcad.forces.assembly import ForceAssembly
@@ -24,7 +24,7 @@ from garmentcad.forces.internal import BINS, Deal, law_arguments, lay_out_parts
 from garmentcad.forces.time_step import SAFETY, SmallMotion
 from garmentcad.kernel_cache import compile_beside
 from garmentcad.solve.inertia import light_across, root_eased
-from garmentcad.solve.steps import CUT, DONE, LOOK, MOST_CUTS, RUNAWAY, TORN, TORN_LENGTH, Controls, run_steps
+from garmentcad.solve.steps import CUT, DONE, LOOK, MOST_CUTS, RUNAWAY, TORN, TORN_LENGTH, Controls, advance_velocities, run_steps
 from garmentcad.solve.stiff_parts import StiffParts, reaches, stages_for, step_of, stiff_particles
 from garmentcad.solve.strain_limit import StrainLimit
 
@@ -102,7 +102,7 @@ class Dynamics:
         self._deal = self._parts.deal(np.ones(len(self._parts.kind), dtype=bool))
         self._expect_stiff(np.zeros(cloth.particle_count, dtype=bool), 1)
         self._stiffness = np.zeros(cloth.particle_count)
-        self._clock = np.zeros(5)
+        self._clock, self._out = np.zeros(5), np.zeros((CHUNKS, 2))
         self._masses = floats(cloth.masses)
         self._home = np.zeros((2, cloth.particle_count, 3))
         # Shanks are damped far more than cloth, and no frequency shows it: whether longer steps bear that is not known.
@@ -132,7 +132,19 @@ class Dynamics:
         """Prepare a fresh state: sliders that it does not bring are those of cloth that was never strained; contact allocates and detects."""
         state.friction = self.forces.slack() | state.friction
         self.contact.start(state)
+        if not getattr(run_steps, "overloads", True):
+            self._compile_beside(state)
         self.estimate_time_step(state)
+
+    def _compile_beside(self, state: State) -> None:
+        """Forces and response are the two longest of what `run_steps` calls: this process compiles the forces, another one the response and what comes last."""
+        contact = self.contact
+        rules, places, inertia = contact.arguments(state), (contact.positions, contact.velocities), (self._drag, contact.inverse_masses, self.across)
+        compile_beside(
+            (respond, (rules, (*places, contact.inverse_masses, 0.0), 0.0, 0.0, 0.0)),
+            (advance_velocities, (self.forces.sums(self._masses), (0.0, 0.0), inertia, rules[4], rules[6].pressed, *places, self._out)),
+            (apply_bonds, (no_bonds(), contact.positions, 0.0, contact.velocities)),
+        )
 
     def estimate_time_step(self, state: State) -> None:
         """Largest stable step for the tangents, and in drape mode the masses for the median particle's step; where nothing has moved, those of before."""
@@ -272,10 +284,6 @@ class Dynamics:
         """Many steps. DivergedError where motion runs away, IntersectingError where contact cannot part what it holds."""
         self.mean_square_speed = 0.0
         self._check(state)
-        if not getattr(run_steps, "overloads", True):
-            # Forces and response are the two longest of what `run_steps` calls: one is compiled beside the other.
-            contact, motion = self.contact, (self.contact.positions, self.contact.velocities, self.contact.inverse_masses, state.time_step_s)
-            compile_beside(respond, contact.arguments(state), motion, 0.0, 0.0, 0.0)
         end = state.step + steps
         while state.step < end:
             self.estimate_time_step(state)
@@ -292,7 +300,7 @@ class Dynamics:
     def _stretch(self, state: State, steps: int, hold: bool = False) -> None:
         contact, count, dt = self.contact, self.cloth.particle_count, state.time_step_s
         self._drag[:] = self.drag
-        controls = Controls(dt, self._drag, self.across, self.speed_cap_m_s, RUNAWAY_M_S, SURGE)
+        controls = Controls(dt, self._drag, self.across, self.speed_cap_m_s, RUNAWAY_M_S, SURGE, self._out)
         lost = np.zeros(BINS)
         laws, sums = self._laws(self._deal, state.friction, lost), self.forces.sums(self._masses)
         # Forces that only lead to those of the step do not move its sliders.

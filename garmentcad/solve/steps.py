@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
-from garmentcad.arrays import CHUNKS, chunk_range, entry, kernel, making_kernel, parallel_kernel
+from garmentcad.arrays import CHUNKS, chunk_range, entry, kernel, long_kernel, parallel_kernel
 from garmentcad.constraints.points import apply_bonds
 from garmentcad.contact.contact import farthest, go_with_body, respond
 from garmentcad.contact.pairs import BY_BODY, fastest_of, mark_pressed
@@ -42,6 +42,7 @@ class Controls(NamedTuple):
     speed_cap: float  # m/s, forces make no particle faster, but press it on the body where it lies there
     runaway: float  # m/s
     surge: float  # of the fastest speed before a response, up to which contact counts on it
+    out: np.ndarray  # (CHUNKS,2) what each part of the work reports; given, because a kernel that makes arrays counts all others, and compiles twice as long
 
 
 @kernel
@@ -132,7 +133,7 @@ def _move(count, step, velocities, masses, positions, out):  # type: ignore[no-u
 
 
 @entry
-@making_kernel
+@long_kernel
 def run_steps(order, controls, laws, stiff, sums, bonds, limit, contact, clock):  # type: ignore[no-untyped-def]
     """Up to a number of steps. order: steps, whether the first begins at its contact part, whether it stops short of moving positions (and takes the forces
     where the cloth is).
@@ -147,8 +148,7 @@ def run_steps(order, controls, laws, stiff, sums, bonds, limit, contact, clock):
     steps, resumed, hold = order
     rules, (positions, velocities, inverse_masses), (home, covered), (leg, since) = contact
     pace, moves = rules[7], len(leg.first) > 0
-    dt, count = controls.time_step, len(sums.weight)
-    out = np.zeros((CHUNKS, 2))
+    dt, count, out = controls.time_step, len(sums.weight), controls.out
     mark_pressed(rules[5], rules[6])
     motion, mass = (positions, velocities, inverse_masses, dt), sums.masses.sum()
     way, headroom = farthest(positions, home), 0.0
