@@ -18,7 +18,7 @@ os.environ.setdefault("GOMP_SPINCOUNT", "3000000")
 
 import llvmlite.binding as llvm
 import numpy as np
-from numba import config, get_num_threads, njit
+from numba import config, get_num_threads, njit, types
 from numba.core.compiler import Compiler
 from numba.core.registry import CPUDispatcher
 
@@ -50,7 +50,19 @@ _COUNTED = "_nrt"
 _INNER: dict[str, Any] = {**_OPTIONS, "no_cpython_wrapper": True, "no_cfunc_wrapper": True, _COUNTED: False}
 
 
-class _Inner(CPUDispatcher):
+class _Kernel(CPUDispatcher):
+    """A kernel that its callers find compiled for any whole number. Numba would compile it for every literal, and for the 0 that a counter begins with."""
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        return super().get_call_template(tuple(map(_plain, args)), {name: _plain(kind) for name, kind in kws.items()})
+
+
+def _plain(kind: Any) -> Any:
+    kind = types.unliteral(kind)
+    return types.int64 if kind == types.int32 else kind
+
+
+class _Inner(_Kernel):
     """A kernel that other kernels call. Python may call it, too, as tests do: through a kernel that is compiled for that in each process."""
 
     def __call__(self, *arguments: Any) -> Any:
@@ -78,7 +90,7 @@ def _compiled(function: Any, apart: bool = False, **options: Any) -> Any:
 def entry(inner: Any) -> Any:
     """Of a kernel that Python calls as well. What Python needs for that is compiled with it; in kernels that take many arrays it takes as long as the rest."""
     if hasattr(inner, "py_func"):
-        inner.__class__ = CPUDispatcher
+        inner.__class__ = _Kernel
         inner.targetoptions["no_cpython_wrapper"] = False
     return inner
 

@@ -6,8 +6,9 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
-from numba import njit
+from numba import int64, njit
 from numba.core import event
 from numba.core.errors import TypingError
 
@@ -118,6 +119,25 @@ def test_a_caller_does_not_hold_its_long_callee():
     (symbol,) = (result.fndesc.llvm_func_name for result in long.overloads.values())
     assert any(line.startswith("declare") and symbol in line for line in code.splitlines())
     assert "fmul" not in code  # the callee's product
+
+
+def test_one_compilation_serves_all_whole_numbers_that_kernels_pass():
+    @kernel
+    def doubled(n):
+        return 2 * n
+
+    @kernel
+    def caller(numbers, count):
+        found = 0  # begins as a literal, goes on as a number
+        for k in range(count):
+            found += doubled(found) + doubled(numbers[k])
+        return found + doubled(7) + doubled(n=1)
+
+    numbers, expected = np.arange(5, dtype=np.int32), 0
+    for number in range(5):
+        expected += 2 * expected + 2 * number
+    assert caller(numbers, 5) == expected + 16
+    assert list(doubled.overloads) == [(int64,)]
 
 
 def test_garbage_is_collected_seldom_while_numba_compiles_and_as_before_then():

@@ -23,7 +23,8 @@ class Surface(NamedTuple):
 
 def build_surface(vertices: np.ndarray, faces: np.ndarray) -> Surface:
     """Surface with angle-weighted pseudo-normals (Baerentzen and Aanaes 2005): their sign is right at corners and edges as well."""
-    vertices, faces = floats(vertices), frozen(indices(faces).copy())  # always so: kernels are compiled anew for arrays that may be written
+    # Copied, so that the one may be written and the other may not, whatever was given: kernels are compiled anew for the other kind.
+    vertices, faces = floats(vertices).copy(), frozen(indices(faces).copy())
     return Surface(vertices, faces, pseudo_normals(vertices, faces, edge_of_side(faces)))
 
 

@@ -221,7 +221,7 @@ def write_bend(lines, sliders, positions, velocities, out):  # type: ignore[no-u
     """Forces on the corners of line i into out[CORNERS i] and what follows. Returns the energy lost [J]."""
     lost = 0.0
     for part in range(-(-len(lines.stiffness) // PART)):
-        lost += bend_part(np.int64(part), lines, sliders, positions, out)
+        lost += bend_part(part, lines, sliders, positions, out)
     return lost
 
 

@@ -214,7 +214,7 @@ def write_border(parts, damping_time, sliders, positions, velocities, out):  # t
     """Forces on the corners of triangle i into out[3 i] to out[3 i + 2]. Returns the energy lost [J]."""
     lost = 0.0
     for part in range(len(parts.first) - 1):
-        lost += border_part(np.int64(part), parts, damping_time, sliders, positions, velocities, out)
+        lost += border_part(part, parts, damping_time, sliders, positions, velocities, out)
     return lost
 
 

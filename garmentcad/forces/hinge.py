@@ -104,7 +104,7 @@ def write_hinge(hinges, sliders, positions, velocities, out):  # type: ignore[no
     """Forces on edge start, edge end, wing a, wing b of hinge i into out[4 i] to out[4 i + 3]. Returns the energy lost [J]."""
     lost = 0.0
     for part in range(-(-len(hinges.stiffness) // PART)):
-        lost += hinge_part(np.int64(part), hinges, sliders, positions, out)
+        lost += hinge_part(part, hinges, sliders, positions, out)
     return lost
 
 

@@ -52,7 +52,7 @@ def _one_part(kind, part, first, blocks, coefficients, setting, rooms, border, b
 @long_kernel
 def _one_bin(number, deal, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, held, positions, velocities, out, lost):  # type: ignore[no-untyped-def]
     for k in range(deal.start[number], deal.start[number + 1]):
-        kind, part = np.int64(deal.kind[k]), np.int64(deal.part[k])
+        kind, part = deal.kind[k], deal.part[k]
         lost[number] += _one_part(kind, part, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, held, positions, velocities, out)
 
 

@@ -98,7 +98,6 @@ def lattice_block(k, blocks, fabric, setting, positions, velocities, rooms, out)
     coefficients, sliders = fabric
     room = rooms[numba.get_thread_id()]
     first, size, up = np.int64(blocks.first[k]), np.int64(blocks.size[k]), np.int64(blocks.columns[k])
-    beside = np.int64(1)  # a literal would make the row kernels compile for a type of its own
     h = setting[0]
     # slots from here on lie in the room: the cells two rows below and one above need a row more at either end
     origin = (first - 3 * up - LANES) // LANES * LANES
@@ -110,7 +109,7 @@ def lattice_block(k, blocks, fabric, setting, positions, velocities, rooms, out)
     begin = (first - up - 1) // LANES * LANES
     count = (last + LANES - begin) // LANES * LANES
     held = sliders[_S_WEFT], after[_S_WEFT], lost
-    stretch_row((begin - origin, beside, count), origin, coefficients[_C_WEFT:_C_WARP], setting, motion, lines, pull, held)
+    stretch_row((begin - origin, 1, count), origin, coefficients[_C_WEFT:_C_WARP], setting, motion, lines, pull, held)
     begin = (first - 2 * up) // LANES * LANES
     count = (last + LANES - begin) // LANES * LANES
     held = sliders[_S_WARP], after[_S_WARP], lost
@@ -141,8 +140,7 @@ def write_lattice(blocks, coefficients, setting, rooms, sliders, positions, velo
     lost [J]."""
     lost = 0.0
     for k in range(len(blocks.first)):
-        # a cast, or it compiles for each of two types of k
-        lost += lattice_block(np.int64(k), blocks, (coefficients, sliders), setting, positions, velocities, rooms, out)
+        lost += lattice_block(k, blocks, (coefficients, sliders), setting, positions, velocities, rooms, out)
     return lost
 
 

@@ -90,11 +90,11 @@ def bound_block(k, blocks, links, cells, bends, spacing, whole, positions, rooms
     load_motion((origin, first + size + 3 * up + 1 - origin), blocks.particle, positions, positions, room)
     begin, end, half = first - origin, first - origin + size, len(links) // 2
     if whole:
-        _bound_links(begin - 1, end, np.int64(1), origin, links[:half], spacing, room, room[_WEFT])
+        _bound_links(begin - 1, end, 1, origin, links[:half], spacing, room, room[_WEFT])
         _bound_links(begin - up, end, up, origin, links[half:], spacing, room, room[_WARP])
     else:
         room[_WEFT:_EVEN] = 0.0
     _bound_cells(begin - 2 * up - 1, end + up, up, origin, cells, spacing, whole, room)
-    _bound_lines(begin - 1, end + 1, np.int64(1), bends[0, origin:], bends[1, origin:], spacing, room, room[_WEFT_LINE:_WARP_LINE])
+    _bound_lines(begin - 1, end + 1, 1, bends[0, origin:], bends[1, origin:], spacing, room, room[_WEFT_LINE:_WARP_LINE])
     _bound_lines(begin - up, end + up, up, bends[2, origin:], bends[3, origin:], spacing, room, room[_WARP_LINE : _WARP_LINE + 3])
     _sum_bounds(begin, end, up, room, out[first:])

@@ -59,7 +59,7 @@ def span_part(part, spans, positions, out):  # type: ignore[no-untyped-def]
 def write_span(spans, positions, velocities, out):  # type: ignore[no-untyped-def]
     """Forces on the corners of span i into out[4 i] to out[4 i + 3]."""
     for part in range(-(-len(spans.stiffness) // PART)):
-        span_part(np.int64(part), spans, positions, out)
+        span_part(part, spans, positions, out)
 
 
 class ForceSpan(OneLaw):

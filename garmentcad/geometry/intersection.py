@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from garmentcad.arrays import entry, floats, indices, kernel
+from garmentcad.arrays import entry, floats, frozen, indices, kernel
 from garmentcad.geometry.closest import cross, dot, minus, row
 
 _NO, _DOUBT, _YES = 0, 1, 2  # the greatest of the verdicts on its edges is that on a pair
@@ -83,7 +83,7 @@ def _near(positions: np.ndarray, triangles: np.ndarray, group: np.ndarray) -> np
 def _verdicts(near: np.ndarray, positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     """Verdicts (K,) int8 on pairs, in floating point."""
     verdict = np.empty(len(near), dtype=np.int8)
-    _judge(near, positions, triangles, verdict)
+    _judge(near, frozen(positions[:]), frozen(triangles[:]), verdict)  # always so: a kernel is compiled anew for arrays that may be written
     return verdict
 
 
