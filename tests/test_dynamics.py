@@ -103,7 +103,7 @@ def test_only_cuts_in_a_row_end_a_run(monkeypatch: pytest.MonkeyPatch, between: 
     dynamics = dynamics_of(cloth, None, 0.0, linear_fabric())
     dynamics.start(state)
 
-    def steps(order, controls, laws, stiff, sums, bonds, limit, contact, clock):  # type: ignore[no-untyped-def]
+    def steps(order, controls, forces, stiff, sums, bonds, limit, contact, clock):  # type: ignore[no-untyped-def]
         clock[:] = min(order[0], between + 1), 0.0, 0.0, -1.0, 0.5
         return CUT if order[0] > between else DONE
 

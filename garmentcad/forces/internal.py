@@ -64,10 +64,11 @@ def _write_all(deal, first, blocks, coefficients, setting, rooms, border, bend, 
 
 
 @inlined
-def write_internal(laws, positions, velocities, corner_forces):  # type: ignore[no-untyped-def]
-    """All corner forces, in one parallel region. laws: see `law_arguments`."""
-    deal, first, lattice, border, bend, span, hinge, (a, b, c, d), lost, bands, shanks = laws
+def write_internal(laws, acting, positions, velocities, corner_forces):  # type: ignore[no-untyped-def]
+    """Corner forces of the parts that act, of an `Acting`, in one parallel region. laws: see `law_arguments`."""
+    first, lattice, border, bend, span, hinge, bands, shanks = laws
     blocks, coefficients, setting, rooms = lattice
+    deal, (a, b, c, d), lost = acting
     _write_all(
         deal, first, blocks, coefficients, setting, rooms, border[0], bend[0], span[0], hinge[0], a, b, c, d, positions, velocities, corner_forces, lost,
     )  # fmt: skip
@@ -146,14 +147,26 @@ def _mean_particle(corners: np.ndarray) -> float:
     return float(used.mean()) if len(used) else 0.0
 
 
-def law_arguments(deal: Deal, first: np.ndarray, forces: tuple[Any, ...], sliders: dict[str, np.ndarray], lost: np.ndarray) -> tuple[Any, ...]:
-    """Arguments of `write_internal`: which parts, where the corners of each force begin, what each compiled law needs, the sliders by name of force, which are
-    moved, and lost (BINS,), to which the energy that they lose [J] is added, the bands and the shanks of buttons."""
+class Acting(NamedTuple):
+    """What an evaluation of the forces takes, and what it changes."""
+
+    deal: Deal
+    sliders: tuple[np.ndarray, ...]  # of lattice, border, bend and hinge, which are moved
+    lost: np.ndarray  # (BINS,), to which the energy that they lose [J] is added
+
+
+def acting(deal: Deal, sliders: dict[str, np.ndarray], lost: np.ndarray) -> Acting:
+    """Of sliders by name of force."""
+    return Acting(deal, tuple(sliders[name] for name in ("lattice", "border", "bend", "hinge")), lost)
+
+
+def law_arguments(first: np.ndarray, forces: tuple[Any, ...]) -> tuple[Any, ...]:
+    """Arguments of `write_internal` that all evaluations share: where the corners of each force begin, what each compiled law needs, the bands and the shanks
+    of buttons."""
     more = {force.name: force for force in forces[len(LAWS) :]}
     bands = more[ForceBand.name].segments if ForceBand.name in more else no_bands()
     shanks = more[ForceButton.name].shanks if ForceButton.name in more else no_shanks()
-    held = tuple(sliders[name] for name in ("lattice", "border", "bend", "hinge"))
-    return deal, first, *(force.arguments for force in forces[: len(LAWS)]), held, lost, bands, shanks
+    return first, *(force.arguments for force in forces[: len(LAWS)]), bands, shanks
 
 
 def dealt(work: np.ndarray, place: np.ndarray) -> list[list[int]]:

@@ -7,7 +7,6 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from copy import deepcopy
-from typing import Any
 
 import numpy as np
 
@@ -20,7 +19,7 @@ from garmentcad.errors import GarmentError
 from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.button import ForceButton
 from garmentcad.forces.force import NO_PARTICLE
-from garmentcad.forces.internal import BINS, Deal, law_arguments, lay_out_parts
+from garmentcad.forces.internal import BINS, acting, law_arguments, lay_out_parts
 from garmentcad.forces.time_step import SAFETY, SmallMotion
 from garmentcad.kernel_cache import compile_beside
 from garmentcad.solve.inertia import light_across, root_eased
@@ -302,11 +301,12 @@ class Dynamics:
         self._drag[:] = self.drag
         controls = Controls(dt, self._drag, self.across, self.speed_cap_m_s, RUNAWAY_M_S, SURGE, self._out)
         lost = np.zeros(BINS)
-        laws, sums = self._laws(self._deal, state.friction, lost), self.forces.sums(self._masses)
+        forces = law_arguments(self._parts.first, self.forces.forces), acting(self._deal, state.friction, lost)
+        sums = self.forces.sums(self._masses)
         # Forces that only lead to those of the step do not move its sliders.
         deal, particles, reach = self._stiff
-        laws_ahead = self._laws(deal, deepcopy(state.friction) if len(reach) else state.friction, np.zeros(BINS))
-        stiff = StiffParts(laws_ahead, particles, reach, self._home, state.contact["stiff_held"], state.contact["stiff_weight"])
+        ahead = acting(deal, deepcopy(state.friction) if len(reach) else state.friction, np.zeros(BINS))
+        stiff = StiffParts(ahead, particles, reach, self._home, state.contact["stiff_held"], state.contact["stiff_weight"])
         bonds = no_bonds()
         if self.constraint is not None:
             bonds = self.constraint.bonds(state.constraint_speeds, state.constraint_forces)
@@ -317,7 +317,7 @@ class Dynamics:
             t0 = time.perf_counter()
             clock = (state.contact["pair_home"], state.contact["pair_covered"])
             touch = (contact.arguments(state), motion, clock, (contact.leg, state.time_s - began))
-            code = run_steps((left, resumed, hold), controls, laws, stiff, sums, bonds, self.limit, touch, self._clock)
+            code = run_steps((left, resumed, hold), controls, forces, stiff, sums, bonds, self.limit, touch, self._clock)
             done = int(self._clock[0])
             state.positions[:], state.velocities[:] = contact.positions[:count], contact.velocities[:count]
             state.step += done
@@ -347,9 +347,6 @@ class Dynamics:
                     raise IntersectingError(self.cloth, self._stuck(state, int(self._clock[3])), state)
             elif done > 0:
                 self._cuts = 0
-
-    def _laws(self, deal: Deal, sliders: dict[str, np.ndarray], lost: np.ndarray) -> tuple[Any, ...]:
-        return law_arguments(deal, self._parts.first, self.forces.forces, sliders, lost)
 
     def _stuck(self, state: State, pair: int) -> np.ndarray:
         """Particles of the pair that cut a step; the fastest one where only its speed did (-1)."""

@@ -134,18 +134,18 @@ def _move(count, step, velocities, masses, positions, out):  # type: ignore[no-u
 
 @entry
 @long_kernel
-def run_steps(order, controls, laws, stiff, sums, bonds, limit, contact, clock):  # type: ignore[no-untyped-def]
+def run_steps(order, controls, forces, stiff, sums, bonds, limit, contact, clock):  # type: ignore[no-untyped-def]
     """Up to a number of steps. order: steps, whether the first begins at its contact part, whether it stops short of moving positions (and takes the forces
     where the cloth is).
 
-    stiff: `StiffParts`, whose particles are none where nothing is; bonds: constraint rows with their demanded speeds (see constraints/points.py); contact:
-    arguments of the response, motion of all nodes, home and cover of the candidates, leg of the body and seconds since its beginning. clock (5,): out: steps
-    done, friction work J, largest mean square speed, pair that cut the last step (-1: only speeds that the response raised) or link that is too long, safe part
-    of the step.
+    forces: `law_arguments` and the `Acting` of the step; stiff: `StiffParts`, whose particles are none where nothing is; bonds: constraint rows with their
+    demanded speeds (see constraints/points.py); contact: arguments of the response, motion of all nodes, home and cover of the candidates, leg of the body and
+    seconds since its beginning. clock (5,): out: steps done, friction work J, largest mean square speed, pair that cut the last step (-1: only speeds that the
+    response raised) or link that is too long, safe part of the step.
 
     Returns why it ended.
     """
-    steps, resumed, hold = order
+    (steps, resumed, hold), (laws, acting) = order, forces
     rules, (positions, velocities, inverse_masses), (home, covered), (leg, since) = contact
     pace, moves = rules[7], len(leg.first) > 0
     dt, count, out = controls.time_step, len(sums.weight), controls.out
@@ -162,10 +162,10 @@ def run_steps(order, controls, laws, stiff, sums, bonds, limit, contact, clock):
             if ahead:
                 keep_home(stiff.particles, positions, velocities, stiff.home)
                 for reach in stiff.reach:
-                    write_internal(stiff.laws, positions, velocities, sums.corner_forces)
+                    write_internal(laws, stiff.acting, positions, velocities, sums.corner_forces)
                     far = (reach * dt * dt, 2.0 * reach * dt)
                     go_on(stiff.particles, stiff.home, (stiff.held, stiff.weight), far, sums, inverse_masses, positions, velocities)
-            write_internal(laws, positions, velocities, sums.corner_forces)
+            write_internal(laws, acting, positions, velocities, sums.corner_forces)
             if ahead:
                 take_home(stiff.particles, stiff.home, positions, velocities)
             expect(stiff.particles, sums, controls.drag, inverse_masses, dt, velocities, stiff.home)

@@ -15,13 +15,14 @@ displacement is our own: a step of dt^2 K + 2 dt C below 4 is what modified Eule
 from __future__ import annotations
 
 from functools import cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numba import prange
 from numpy.polynomial import Chebyshev, Polynomial
 
 from garmentcad.arrays import CHUNKS, chunk_range, inlined_kernel, kernel, parallel_kernel
+from garmentcad.forces.internal import Acting
 from garmentcad.forces.time_step import SAFETY
 
 # What allows less than STIFF of the median particle's step is stiff, by the bounds of both, up to FAR times the step of the stiffest, beyond which nothing is
@@ -39,7 +40,7 @@ _INSIDE, _GAIN = 3.0, 0.9
 class StiffParts(NamedTuple):
     """What is stiff, for compiled steps."""
 
-    laws: tuple[Any, ...]  # of `write_internal`, of the parts that act on the particles; with sliders of their own
+    acting: Acting  # the parts that act on the particles, with sliders of their own
     particles: np.ndarray  # (Q,) int32
     reach: np.ndarray  # (n-1,) c_j, none where steps are so short that what is stiff bears them
     home: np.ndarray  # (2,P,3) scratch: positions and velocities
