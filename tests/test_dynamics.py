@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numba
 import numpy as np
@@ -115,6 +116,21 @@ def test_only_cuts_in_a_row_end_a_run(monkeypatch: pytest.MonkeyPatch, between: 
         with pytest.raises(IntersectingError, match="20 steps in a row"):
             dynamics.advance(state, 3 * MOST_CUTS)
         assert dynamics.cut_steps == MOST_CUTS
+
+
+def test_what_another_process_compiles_is_what_the_steps_call(monkeypatch: pytest.MonkeyPatch) -> None:
+    """For other types of arguments it would be compiled in vain, and nobody would see it but by the clock."""
+    cloth = rectangle_cloth(60.0, 40.0, 10.0, 20.0, linear_fabric())
+    state = State(hanging(cloth), np.zeros((cloth.particle_count, 3)))
+    dynamics = dynamics_of(cloth, None, 0.0, linear_fabric())
+    dynamics.start(state)
+    dynamics.advance(state, 1)
+    wanted: list[tuple[Any, tuple[Any, ...]]] = []
+    monkeypatch.setattr("garmentcad.solve.dynamics.compile_beside", lambda *kernels: wanted.extend(kernels))
+    dynamics._compile_beside(state)
+    assert len(wanted) == 3
+    for kernel, arguments in wanted:
+        assert tuple(map(numba.typeof, arguments)) in kernel.overloads, kernel
 
 
 @pytest.mark.parametrize("equalise", [False, True])
