@@ -89,6 +89,6 @@ class BodyElements:
         triangles, edges = (part._replace(identity=part.identity + shift) for part in (cloth.triangle_blocks, cloth.edge_blocks))
         pierced = near_pairs(TRIANGLE_POINT, reach, triangles, self._point_blocks, both)
         crossed = near_pairs(EDGE_EDGE, reach, edges, self._edge_blocks, both)
-        points = np.concatenate([count + self._points.nodes[pierced[:, 1], :1], cloth.triangles.nodes[pierced[:, 0]]], axis=1)
-        crossing = np.concatenate([cloth.edges.nodes[crossed[:, 0], :2], count + self._edges.nodes[crossed[:, 1], :2]], axis=1)
+        points = np.concatenate([count + self._points.nodes[pierced[:, 1], :1], cloth.corners_of(pierced[:, 0])], axis=1)
+        crossing = np.concatenate([cloth.ends_of(crossed[:, 0]), count + self._edges.nodes[crossed[:, 1], :2]], axis=1)
         return points, crossing, np.concatenate([self._above_point[pierced[:, 1]], self._above_edge[crossed[:, 1]]])

@@ -115,7 +115,9 @@ def blocks_over(elements: Elements, centers: np.ndarray) -> Blocks:
         sizes.append(-(-sizes[-1] // LEAF))
     first = np.cumsum([0, *sizes])
     boxes = np.empty(first[-1] * 6 * LEAF, dtype=np.float32)
-    return Blocks(tree.order, indices(elements.nodes[tree.order]), indices(elements.identity[tree.order]), first, boxes)
+    nodes = indices(elements.nodes[tree.order])
+    identity = nodes if elements.identity is elements.nodes else indices(elements.identity[tree.order])
+    return Blocks(tree.order, nodes, identity, first, boxes)
 
 
 @kernel

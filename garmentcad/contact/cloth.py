@@ -23,26 +23,23 @@ class ClothElements:
     def __init__(self, cloth: Cloth, largest_gap: float) -> None:
         count, triangles = cloth.particle_count, cloth.particle_triangles
         identity = np.asarray(welded_particles(cloth))
-        self.points = elements(np.unique(triangles), identity)
-        self.triangles = elements(triangles, identity)
-        edges = unique_edges(triangles)
-        self.edges = elements(edges, identity)
+        self._cloth, self._points, self._edges = cloth, np.unique(triangles), unique_edges(triangles)
         # Neighbours on the pattern stay neighbours on the body, so the trees are built there, once.
         rest = np.zeros((count, 3))
         rest[cloth.vertex_particle] = _laid_out(cloth)
-        self.point_blocks = blocks_over(self.points, rest[self.points.nodes[:, 0]])
-        self.triangle_blocks = blocks_over(self.triangles, _laid_out(cloth)[cloth.triangles].mean(axis=1))
-        self.edge_blocks = blocks_over(self.edges, rest[edges].mean(axis=1))
-        self._neighbours = _Neighbours(cloth, identity, edges, _REST * largest_gap)
-        self._identity, self._ends = identity, identity[edges]
+        self.point_blocks = blocks_over(elements(self._points, identity), rest[self._points])
+        self.triangle_blocks = blocks_over(elements(triangles, identity), _laid_out(cloth)[cloth.triangles].mean(axis=1))
+        self.edge_blocks = blocks_over(elements(self._edges, identity), rest[self._edges].mean(axis=1))
+        self._neighbours = _Neighbours(cloth, identity, self._edges, _REST * largest_gap)
+        self._identity = identity
         self.let_pass(np.zeros(count, dtype=bool))
 
     def let_pass(self, passing: np.ndarray) -> None:
         """From now on particles `passing` (P,) bool pass through the cloth that is theirs within two edges, stitches counted as closed."""
-        near = np.zeros(len(passing), dtype=bool)
+        near, ends = np.zeros(len(passing), dtype=bool), self._identity[self._edges]
         near[self._identity[passing]] = True
         for _ in range(_PASSED_EDGES):
-            near[self._ends[near[self._ends].any(axis=1)]] = True
+            near[ends[near[ends].any(axis=1)]] = True
         self._passing, self._passed = passing, near[self._identity]
 
     def pairs(self, positions: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:
@@ -52,13 +49,21 @@ class ClothElements:
         set_boxes(self.edge_blocks, positions)
         touched = near_pairs(POINT_TRIANGLE, reach, self.point_blocks, self.triangle_blocks, both)
         crossed = near_pairs(EDGE_EDGE_ONCE, reach, self.edge_blocks, self.edge_blocks, both)
-        touched = touched[~self._neighbours.vertex_triangle(self.points.nodes[touched[:, 0], 0], touched[:, 1])]
+        touched = touched[~self._neighbours.vertex_triangle(self._points[touched[:, 0]], touched[:, 1])]
         crossed = crossed[~self._neighbours.edge_edge(crossed[:, 0], crossed[:, 1])]
-        points = np.concatenate([self.points.nodes[touched[:, 0], :1], self.triangles.nodes[touched[:, 1]]], axis=1)
-        edges = np.concatenate([self.edges.nodes[crossed[:, 0], :2], self.edges.nodes[crossed[:, 1], :2]], axis=1)
+        points = np.concatenate([self._points[touched[:, :1]], self.corners_of(touched[:, 1])], axis=1)
+        edges = np.concatenate([self.ends_of(crossed[:, 0]), self.ends_of(crossed[:, 1])], axis=1)
         if self._passing.any():
             points, edges = points[self._kept(points)], edges[self._kept(edges)]
         return points, edges
+
+    def corners_of(self, triangle: np.ndarray) -> np.ndarray:
+        """Particles (K,3) of triangles (K,)."""
+        return np.asarray(self._cloth.vertex_particle[self._cloth.triangles[triangle]])
+
+    def ends_of(self, edge: np.ndarray) -> np.ndarray:
+        """Particles (K,2) of edges (K,)."""
+        return np.asarray(self._edges[edge])
 
     def _kept(self, nodes: np.ndarray) -> np.ndarray:
         """(K,) bool: of pairs by their nodes (K,4), those that do not pass."""

@@ -10,7 +10,7 @@ import numpy as np
 from numba import prange
 
 from garmentcad.arrays import entry, indices, parallel_kernel, rows_by_key
-from garmentcad.forces.force import NO_PARTICLE, BodyForce, Force
+from garmentcad.forces.force import NO_PARTICLE, BodyForce, Force, Gauge
 
 
 @entry
@@ -37,6 +37,12 @@ class Sums(NamedTuple):
     masses: np.ndarray  # (P,) kg, true
 
 
+def _drawn(gauge: Gauge, share: float) -> np.ndarray:
+    drawn = gauge.way * -share
+    drawn += gauge.strain
+    return drawn
+
+
 class ForceAssembly:
     """All forces on `particle_count` particles. Two forces of one name are refused (ValueError): results are reported by name."""
 
@@ -52,7 +58,7 @@ class ForceAssembly:
         used = np.flatnonzero(corners != NO_PARTICLE)
         self._starts, rows = rows_by_key(corners[used], particle_count)
         self._slots = indices(used[rows])
-        self._particles, self._used = corners[used], used
+        self._particles, self._used = corners[used], indices(used)
         self._corner_forces = np.zeros((len(corners), 3))
         self._views = [self._corner_forces[part] for part in self._parts]
         self._corner_stiffness = np.zeros(len(corners))
@@ -63,8 +69,7 @@ class ForceAssembly:
 
     def drawn(self, positions: np.ndarray, share: float) -> dict[str, np.ndarray]:
         """Sliders that hold, by name of force: the stick springs drawn by a share (-1 to 1) of their way at these positions."""
-        gauges = {force.name: force.gauge(positions) for force in self.forces}
-        return {name: gauge.strain - share * gauge.way for name, gauge in gauges.items()}
+        return {force.name: _drawn(force.gauge(positions), share) for force in self.forces}
 
     def slacken(self, sliders: dict[str, np.ndarray], positions: np.ndarray, curves: Sequence[int]) -> None:
         """Set the sliders of `curves`, numbers in CURVES, in place to those of cloth that was never strained; positions (P,3) [m]."""

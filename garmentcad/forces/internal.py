@@ -121,7 +121,7 @@ def lay_out_parts(forces: tuple[Any, ...]) -> Parts:
         pieces.append([slice(start, min(start + step, end)) for start in range(0, end, step)])
     sizes, corners = [len(of_law) for of_law in pieces], [force.corners for force in forces[: len(LAWS)]]
     first = np.cumsum([0, *(len(of_force) for of_force in corners)])
-    owner = np.zeros(first[-1], dtype=np.int64)
+    owner = np.zeros(first[-1], dtype=np.int32)
     work: list[float] = []
     place: list[float] = []
     for kind, of_law in enumerate(pieces):

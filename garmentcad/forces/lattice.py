@@ -226,10 +226,11 @@ class ForceLattice:
         return self._spread(lambda law: law.slack())
 
     def gauge(self, positions: np.ndarray) -> Gauge:
-        particle = np.full((SLIDERS, len(self.corners)), NO_PARTICLE)
-        curve = np.repeat(np.arange(SLIDERS)[:, None], len(self.corners), axis=1)
+        count = len(self.corners)
+        particle = np.full((SLIDERS, count), NO_PARTICLE, dtype=np.int32)
+        curve = np.broadcast_to(np.arange(SLIDERS)[:, None], particle.shape)
         for places in self._places:
-            particle.reshape(-1)[places] = np.tile(self.corners, SLIDERS)[places]
+            particle.reshape(-1)[places] = self.corners[places % count]
         return Gauge(self._spread(lambda law: law.strain(positions)), self._spread(lambda law: law.way), curve, particle)
 
     def _spread(self, of_law: Callable[[_Law], np.ndarray]) -> np.ndarray:

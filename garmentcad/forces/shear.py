@@ -117,7 +117,7 @@ def evaluate_energy(curves, angles, sliders, energy):  # type: ignore[no-untyped
 def shear_energy_at(curves: ShearCurves, angles: np.ndarray, sliders: np.ndarray) -> np.ndarray:
     """Stored energy per area [J/m2] of each angle (N,) [rad] with its slider (N,)."""
     energy = np.empty(len(angles))
-    evaluate_energy(curves, floats(angles), floats(sliders), energy)
+    evaluate_energy(ShearCurves(*map(floats, curves)), floats(angles), floats(sliders), energy)
     return energy
 
 
@@ -142,7 +142,7 @@ class LawShear:
 
     def set_curves(self, materials: MaterialTable) -> None:
         """The shear curves of `materials` from now on; `write_rows` brings them to the kernels."""
-        self._curves = shear_curves(materials, self._cells.material)
+        self._curves = ShearCurves(*map(compact, shear_curves(materials, self._cells.material)))
 
     def write_rows(self, out: np.ndarray) -> None:
         """Into out (5,S), of the cell whose corner 00 is at the slot: G_e A and the stick spring's two times A [J], d [rad], SHARE/h^2 [1/m2]."""

@@ -15,7 +15,7 @@ import math
 
 import numpy as np
 
-from garmentcad.arrays import compact, indices, kernel, row_kernel
+from garmentcad.arrays import indices, kernel, row_kernel
 from garmentcad.cloth.cloth import WARP, WEFT, Links
 from garmentcad.fabric.internal_friction import dragged
 from garmentcad.fabric.law_tension import WAY
@@ -111,10 +111,8 @@ class LawStretch:
 
     def __init__(self, links: Links, materials: MaterialTable, slots: LatticeSlots) -> None:
         self._links = links
-        self._curve = 2 * links.material + links.direction
         self.set_curves(materials)
         self.corners = links.ends.ravel()
-        self.way = compact(WAY * self._curves.em[self._curve])
         a, b = slots.slot[links.ends].T
         first = np.minimum(a, b)
         for direction in (WEFT, WARP):
@@ -122,6 +120,16 @@ class LawStretch:
             if not (np.maximum(a, b) - first == slots.step(first, direction))[mine].all():
                 raise ValueError("a link does not join two neighbours of the lattice")
         self.at = indices(np.where(links.direction == WEFT, first, slots.count + first))
+
+    @property
+    def _curve(self) -> np.ndarray:
+        """(L,) row of each link among the curves."""
+        return np.asarray(2 * self._links.material + self._links.direction)
+
+    @property
+    def way(self) -> np.ndarray:
+        """d (L,)."""
+        return np.asarray(WAY * self._curves.em[self._curve])
 
     def set_curves(self, materials: MaterialTable) -> None:
         """The tensile curves of `materials` from now on; `write_rows` brings them to the kernels."""

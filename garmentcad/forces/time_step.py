@@ -55,15 +55,23 @@ class SmallMotion:
         return found
 
     def highest_frequency(self, root: Callable[[np.ndarray], np.ndarray]) -> float:
-        """Angular frequency [rad/s], hardly too low; root: M^-1/2 times vectors (P,3), 0 where a particle is held."""
+        """Angular frequency [rad/s], hardly too low; root: M^-1/2 times vectors (P,3), 0 where a particle is held, as new
+        arrays."""
         before, mode = np.zeros_like(self._positions), np.random.default_rng(0).standard_normal(self._positions.shape)
         mode[~root(mode).any(axis=1)] = 0.0
         mode /= math.sqrt(float((mode * mode).sum()))
         diagonal, beside = [], [0.0]
         for _ in range(LANCZOS_STEPS):
             way = root(mode)
-            nudge = _NUDGE_M / np.abs(way).max()
-            image = root((self.forces - self._at(self._positions + nudge * way)) / nudge) - beside[-1] * before
+            nudge = _NUDGE_M / max(way.max(), -way.min())
+            # in place, for the sake of large cloths
+            way *= nudge
+            way += self._positions
+            image = self._at(way)
+            np.subtract(self.forces, image, out=image)
+            image /= nudge
+            image = root(image)
+            image -= beside[-1] * before
             diagonal.append(float((mode * image).sum()))
             image -= diagonal[-1] * mode
             beside.append(math.sqrt(float((image * image).sum())))

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from garmentcad.arrays import indices, kernel
+from garmentcad.arrays import compact, kernel
 from garmentcad.cloth.cloth import Cells
 from garmentcad.fabric.law_bending import STICK
 from garmentcad.fabric.material import MaterialTable
@@ -48,13 +48,12 @@ class LawTwist:
     name = "twist"
 
     def __init__(self, cells: Cells, materials: MaterialTable, slots: LatticeSlots) -> None:
-        stiff = np.flatnonzero(materials.twist[cells.material] > 0.0)
-        mine = Cells(*(column[stiff] for column in cells))
+        stiff = materials.twist[cells.material] > 0.0
+        mine = cells if stiff.all() else Cells(*(column[stiff] for column in cells))
         h2 = mine.spacing**2
         four_d66 = 4.0 * materials.twist[mine.material]
-        way = materials.twist_friction[mine.material] / (STICK * four_d66) * h2
-        self._cells = TwistElements(indices(mine.corners), LEAST_NORMAL * 2.0 * h2, four_d66 * mine.twist_area / h2**2, way)
-        self.way = way
+        self.way = compact(materials.twist_friction[mine.material] / (STICK * four_d66) * h2)
+        self._cells = TwistElements(mine.corners, compact(LEAST_NORMAL * 2.0 * h2), four_d66 * mine.twist_area / h2**2, self.way)
         self.at = cell_slots(mine, slots)
 
     def write_rows(self, out: np.ndarray) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from copy import deepcopy
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -108,7 +108,7 @@ def advance_or_retreat(dynamics: Dynamics, state: State, steps: int = STEPS_PER_
 
     DivergedError where they are as short as they may become: what diverges then is not a matter of the step.
     """
-    good = deepcopy(state)
+    good = deepcopy(replace(state, contact={}))  # what contact remembers is most of a state, and is found anew in the rare case
     dynamics.step_factor = state.run.get("step_factor", 1.0)
     try:
         dynamics.advance(state, steps)
@@ -118,6 +118,7 @@ def advance_or_retreat(dynamics: Dynamics, state: State, steps: int = STEPS_PER_
         for part in fields(State):
             setattr(state, part.name, getattr(good, part.name))
         state.run["step_factor"] = 0.5 * dynamics.step_factor
+        dynamics.start(state)
         return False
     return True
 

@@ -273,6 +273,7 @@ class _Run:
             self.state.run |= welding.as_run()
             return self._broken_off(flat, start, "max_time")
         self.state = weld_state(start, welded, particle_map, self.state)
+        del dynamics  # what follows needs much memory for a while
         # Corners that passed through each other to close may lie through each other; what closes a gap of up to a millimetre at once can be pricked on the
         # way. Both would hang there.
         body = self.job.mannequin

@@ -103,7 +103,6 @@ class Dynamics:
         self._stiffness = np.zeros(cloth.particle_count)
         self._clock, self._out = np.zeros(5), np.zeros((CHUNKS, 2))
         self._masses = floats(cloth.masses)
-        self._home = np.zeros((2, cloth.particle_count, 3))
         # Shanks are damped far more than cloth, and no frequency shows it: whether longer steps bear that is not known.
         self._on_shanks = np.zeros(cloth.particle_count, dtype=bool)
         for force in forces.forces:
@@ -244,7 +243,8 @@ class Dynamics:
     def _expect_stiff(self, particles: np.ndarray, stages: int) -> None:
         """From now on the forces on the particles (P,) bool are taken in so many stages."""
         acting = self._parts.around(particles & (stages > 1))
-        self._stiff = self._parts.deal(acting), indices(np.flatnonzero(particles)), np.array(reaches(stages))
+        chosen = indices(np.flatnonzero(particles))
+        self._stiff = self._parts.deal(acting), chosen, np.array(reaches(stages)), np.zeros((2, len(chosen), 3))
 
     def _set_step(self, state: State, time_step_s: float, inverse_masses: np.ndarray) -> None:
         self.set_inverse_masses(inverse_masses)
@@ -304,9 +304,9 @@ class Dynamics:
         forces = law_arguments(self._parts.first, self.forces.forces), acting(self._deal, state.friction, lost)
         sums = self.forces.sums(self._masses)
         # Forces that only lead to those of the step do not move its sliders.
-        deal, particles, reach = self._stiff
+        deal, particles, reach, home = self._stiff
         ahead = acting(deal, deepcopy(state.friction) if len(reach) else state.friction, np.zeros(BINS))
-        stiff = StiffParts(ahead, particles, reach, self._home, state.contact["stiff_held"], state.contact["stiff_weight"])
+        stiff = StiffParts(ahead, particles, reach, home, state.contact["stiff_held"], state.contact["stiff_weight"])
         bonds = no_bonds()
         if self.constraint is not None:
             bonds = self.constraint.bonds(state.constraint_speeds, state.constraint_forces)

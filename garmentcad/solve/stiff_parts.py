@@ -43,7 +43,7 @@ class StiffParts(NamedTuple):
     acting: Acting  # the parts that act on the particles, with sliders of their own
     particles: np.ndarray  # (Q,) int32
     reach: np.ndarray  # (n-1,) c_j, none where steps are so short that what is stiff bears them
-    home: np.ndarray  # (2,P,3) scratch: positions and velocities
+    home: np.ndarray  # (2,Q,3) scratch: their positions and velocities
     held: np.ndarray  # (P,3) N, what contact and constraints added in the last steps, a mean
     weight: np.ndarray  # (P,) of the next step in it: 1 where there is none, 1/2, 1/3, ..., LASTING
 
@@ -96,13 +96,13 @@ def _go_on_of(chosen, particles, home, hold, far, sums, inverse_masses, position
         x, y, z = _force_on(p, sums)
         share = inverse_masses[p] if weight[p] < 1.0 else 0.0
         x, y, z = share * (x + held[p, 0]), share * (y + held[p, 1]), share * (z + held[p, 2])
-        positions[p, 0], positions[p, 1], positions[p, 2] = home[0, p, 0] + square * x, home[0, p, 1] + square * y, home[0, p, 2] + square * z
-        velocities[p, 0], velocities[p, 1], velocities[p, 2] = home[1, p, 0] + double * x, home[1, p, 1] + double * y, home[1, p, 2] + double * z
+        positions[p, 0], positions[p, 1], positions[p, 2] = home[0, k, 0] + square * x, home[0, k, 1] + square * y, home[0, k, 2] + square * z
+        velocities[p, 0], velocities[p, 1], velocities[p, 2] = home[1, k, 0] + double * x, home[1, k, 1] + double * y, home[1, k, 2] + double * z
 
 
 @parallel_kernel
 def go_on(particles, home, hold, far, sums, inverse_masses, positions, velocities):  # type: ignore[no-untyped-def]
-    """Take particles (Q,) from their home (2,P,3) further, by the corner forces of the moment and what holds them; hold: `held` and `weight`; far: s2 and s by
+    """Take particles (Q,) from their home (2,Q,3) further, by the corner forces of the moment and what holds them; hold: `held` and `weight`; far: s2 and s by
     which an acceleration moves positions and velocities."""
     for chunk in prange(CHUNKS):
         _go_on_of(chunk_range(chunk, len(particles)), particles, home, hold, far, sums, inverse_masses, positions, velocities)
@@ -110,35 +110,35 @@ def go_on(particles, home, hold, far, sums, inverse_masses, positions, velocitie
 
 @kernel
 def keep_home(particles, positions, velocities, home):  # type: ignore[no-untyped-def]
-    """Note where particles are, and how they move, into home (2,P,3)."""
-    for p in particles:
+    """Note where particles are, and how they move, into home (2,Q,3)."""
+    for k, p in enumerate(particles):
         for axis in range(3):
-            home[0, p, axis], home[1, p, axis] = positions[p, axis], velocities[p, axis]
+            home[0, k, axis], home[1, k, axis] = positions[p, axis], velocities[p, axis]
 
 
 @kernel
 def take_home(particles, home, positions, velocities):  # type: ignore[no-untyped-def]
     """Back there."""
-    for p in particles:
+    for k, p in enumerate(particles):
         for axis in range(3):
-            positions[p, axis], velocities[p, axis] = home[0, p, axis], home[1, p, axis]
+            positions[p, axis], velocities[p, axis] = home[0, k, axis], home[1, k, axis]
 
 
 @kernel
 def expect(particles, sums, drag, inverse_masses, dt, velocities, home):  # type: ignore[no-untyped-def]
     """Into home[1]: the velocities to which the forces of the moment would lead by themselves."""
-    for p in particles:
+    for k, p in enumerate(particles):
         x, y, z = _force_on(p, sums)
         keep, push = 1.0 - dt * drag[p], dt * inverse_masses[p]
-        home[1, p, 0], home[1, p, 1] = keep * velocities[p, 0] + push * x, keep * velocities[p, 1] + push * y
-        home[1, p, 2] = keep * velocities[p, 2] + push * z
+        home[1, k, 0], home[1, k, 1] = keep * velocities[p, 0] + push * x, keep * velocities[p, 1] + push * y
+        home[1, k, 2] = keep * velocities[p, 2] + push * z
 
 
 @kernel
 def note_what_held(particles, home, velocities, inverse_masses, dt, held, weight):  # type: ignore[no-untyped-def]
     """Take what has led the particles to other velocities than those expected into the mean."""
-    for p in particles:
+    for k, p in enumerate(particles):
         for axis in range(3):
-            force = (velocities[p, axis] - home[1, p, axis]) / (dt * inverse_masses[p]) if inverse_masses[p] > 0.0 else 0.0
+            force = (velocities[p, axis] - home[1, k, axis]) / (dt * inverse_masses[p]) if inverse_masses[p] > 0.0 else 0.0
             held[p, axis] += weight[p] * (force - held[p, axis])
         weight[p] = max(weight[p] / (1.0 + weight[p]), LASTING)

@@ -32,7 +32,7 @@ class StrainLimit(NamedTuple):
 def strain_limit(cloth: Cloth, materials: MaterialTable) -> StrainLimit:
     """The limits of all links of `cloth`."""
     limit = materials.strain_limit[cloth.links.material, cloth.links.direction]
-    return StrainLimit(np.array(cloth.links.ends), cloth.links.rest_length * (1.0 + limit))
+    return StrainLimit(cloth.links.ends, cloth.links.rest_length * (1.0 + limit))
 
 
 def strain_share(positions: np.ndarray, rest_length: np.ndarray, limit: StrainLimit) -> np.ndarray:
