@@ -27,7 +27,8 @@ class ClothElements:
         # Neighbours on the pattern stay neighbours on the body, so the trees are built there, once.
         rest = np.zeros((count, 3))
         rest[cloth.vertex_particle] = _laid_out(cloth)
-        self.point_blocks = blocks_over(elements(self._points, identity), rest[self._points])
+        # Points ask, and nobody looks for them: they need no boxes.
+        self._point_blocks = blocks_over(elements(self._points, identity), rest[self._points])._replace(boxes=np.empty(0, dtype=np.float32))
         self.triangle_blocks = blocks_over(elements(triangles, identity), _laid_out(cloth)[cloth.triangles].mean(axis=1))
         self.edge_blocks = blocks_over(elements(self._edges, identity), rest[self._edges].mean(axis=1))
         self._neighbours = _Neighbours(cloth, identity, self._edges, _REST * largest_gap)
@@ -47,7 +48,7 @@ class ClothElements:
         both = (positions, positions)
         set_boxes(self.triangle_blocks, positions)
         set_boxes(self.edge_blocks, positions)
-        touched = near_pairs(POINT_TRIANGLE, reach, self.point_blocks, self.triangle_blocks, both)
+        touched = near_pairs(POINT_TRIANGLE, reach, self._point_blocks, self.triangle_blocks, both)
         crossed = near_pairs(EDGE_EDGE_ONCE, reach, self.edge_blocks, self.edge_blocks, both)
         touched = touched[~self._neighbours.vertex_triangle(self._points[touched[:, 0]], touched[:, 1])]
         crossed = crossed[~self._neighbours.edge_edge(crossed[:, 0], crossed[:, 1])]

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from garmentcad.arrays import CHUNKS, entry, floats, frozen, indices, kernel, long_kernel
+from garmentcad.arrays import CHUNKS, compact, entry, floats, frozen, indices, kernel, long_kernel
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.state import State
 from garmentcad.contact.body import ELEMENT_GAP, LARGEST_GAP, BodyElements
@@ -119,8 +119,8 @@ class Contact:
         if path is not None and (body is None or path.vertex_count != len(body[0])):
             raise InputError(f"a path of {path.vertex_count} vertices for a body of {0 if body is None else len(body[0])}")
         thickness = largest_around(cloth, materials.thickness)
-        self._cloth_gap, body_gap = np.maximum(thickness, LEAST_GAP), np.maximum(0.5 * thickness, LEAST_GAP)
-        self._cloth_friction, self._body_friction = (largest_around(cloth, values) for values in (materials.friction_cloth, materials.friction_body))
+        self._cloth_gap, body_gap = compact(np.maximum(thickness, LEAST_GAP)), np.maximum(0.5 * thickness, LEAST_GAP)
+        self._cloth_friction, self._body_friction = (compact(largest_around(cloth, values)) for values in (materials.friction_cloth, materials.friction_body))
         self._elements = ClothElements(cloth, float(self._cloth_gap.max(initial=LEAST_GAP)))
         self._body, self._itself = None if body is None else BodyElements(*body, cloth.spacing, _longest_side(cloth)), itself
         self._spacing = cloth.spacing

@@ -10,7 +10,7 @@ import numpy as np
 from numba import prange
 
 from garmentcad.arrays import entry, indices, parallel_kernel, rows_by_key
-from garmentcad.forces.force import NO_PARTICLE, BodyForce, Force, Gauge
+from garmentcad.forces.force import NO_PARTICLE, BodyForce, Force
 
 
 @entry
@@ -35,12 +35,6 @@ class Sums(NamedTuple):
     corner_forces: np.ndarray  # (K,3) N
     weight: np.ndarray  # (P,) N, downward
     masses: np.ndarray  # (P,) kg, true
-
-
-def _drawn(gauge: Gauge, share: float) -> np.ndarray:
-    drawn = gauge.way * -share
-    drawn += gauge.strain
-    return drawn
 
 
 class ForceAssembly:
@@ -68,8 +62,8 @@ class ForceAssembly:
         return {force.name: force.slack() for force in self.forces}
 
     def drawn(self, positions: np.ndarray, share: float) -> dict[str, np.ndarray]:
-        """Sliders that hold, by name of force: the stick springs drawn by a share (-1 to 1) of their way at these positions."""
-        return {force.name: _drawn(force.gauge(positions), share) for force in self.forces}
+        """Sliders that hold, by name of force; see `Force.drawn`."""
+        return {force.name: force.drawn(positions, share) for force in self.forces}
 
     def slacken(self, sliders: dict[str, np.ndarray], positions: np.ndarray, curves: Sequence[int]) -> None:
         """Set the sliders of `curves`, numbers in CURVES, in place to those of cloth that was never strained; positions (P,3) [m]."""

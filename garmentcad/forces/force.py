@@ -45,6 +45,9 @@ class Force(Protocol):
     def gauge(self, positions: np.ndarray) -> Gauge:
         """Of each slider."""
 
+    def drawn(self, positions: np.ndarray, share: float) -> np.ndarray:
+        """Sliders that hold: the stick springs drawn by a share (-1 to 1) of their way at these positions (P,3) m."""
+
     def write_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray, sliders: np.ndarray | None = None) -> None:
         """Force on each corner [N] into out (K,3), from positions [m] and velocities [m/s], both (P,3). Damping included. sliders: moved in place; None:
         `slack`."""
@@ -83,6 +86,10 @@ class OneLaw:
     def gauge(self, positions: np.ndarray) -> Gauge:
         none = np.empty(0)
         return Gauge(none, none, none, none)
+
+    def drawn(self, positions: np.ndarray, share: float) -> np.ndarray:
+        gauge = self.gauge(positions)
+        return gauge.strain - share * gauge.way
 
     def write_stiffness_across(self, positions: np.ndarray, out: np.ndarray) -> None:
         """None, unless they say otherwise."""

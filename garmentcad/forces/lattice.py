@@ -233,6 +233,9 @@ class ForceLattice:
             particle.reshape(-1)[places] = self.corners[places % count]
         return Gauge(self._spread(lambda law: law.strain(positions)), self._spread(lambda law: law.way), curve, particle)
 
+    def drawn(self, positions: np.ndarray, share: float) -> np.ndarray:
+        return self._spread(lambda law: law.strain(positions) - share * law.way)
+
     def _spread(self, of_law: Callable[[_Law], np.ndarray]) -> np.ndarray:
         found = aligned_zeros(SLIDERS, len(self.corners))
         for law, places in zip(self.laws, self._places):
