@@ -127,8 +127,8 @@ def test_what_another_process_compiles_is_what_the_steps_call(monkeypatch: pytes
     dynamics.advance(state, 1)
     wanted: list[tuple[Any, tuple[Any, ...]]] = []
     monkeypatch.setattr("garmentcad.solve.dynamics.compile_beside", lambda *kernels: wanted.extend(kernels))
-    dynamics._compile_beside(state)
-    assert len(wanted) == 3
+    dynamics._compile_beside()
+    assert len(wanted) == 4
     for kernel, arguments in wanted:
         assert tuple(map(numba.typeof, arguments)) in kernel.overloads, kernel
 

@@ -168,12 +168,25 @@ class Contact:
     def start(self, state: State) -> None:
         """Allocate the detection clock and the candidate lists in `state.contact`, and look. Everything that a later step reads lies there, so that a copied
         or reloaded State goes on with the same bits."""
+        self._allocate(state)
+        self.place(state, 0.0)
+        self._find_pairs(state, 0.0)
+
+    def blank(self) -> State:
+        """A state as after `start`, in which nothing is near anything: for the types of `arguments`."""
+        state = State(np.zeros((self.count, 3)), np.zeros((self.count, 3)))
+        self._allocate(state)
+        self._store(state, self._no_pairs(), 0.0)
+        return state
+
+    def _allocate(self, state: State) -> None:
         state.contact |= {f"planes_{key}": array for key, array in fresh_planes(state.positions, self._path is not None)._asdict().items()}
         state.contact["body_pace"] = np.zeros(4)
         if self._body is None:
             state.contact["planes_due"][:] = np.inf
-        self.place(state, 0.0)
-        self._find_pairs(state, 0.0)
+
+    def _no_pairs(self) -> Pairs:
+        return make_pairs(np.zeros((0, 4), np.int32), np.zeros((0, 4), np.int32), self._cloth_gap, self._cloth_friction)
 
     def place(self, state: State, span_s: float) -> None:
         """Put a body that moves to where it is at `state.time_s`, for steps of `span_s` seconds in all from there on, and set the `leg` that they follow."""
@@ -276,7 +289,7 @@ class Contact:
             friction = np.concatenate([self._body_friction, np.full(still, self._body_friction.mean())])
             parts.append(make_pairs(pierced, crossed, np.full(self.nodes, ELEMENT_GAP), friction)._replace(outside=outside))
             moving.append(np.full(len(parts[-1].nodes), sides))
-        found = joined(*parts) if parts else make_pairs(np.zeros((0, 4), np.int32), np.zeros((0, 4), np.int32), self._cloth_gap, self._cloth_friction)
+        found = joined(*parts) if parts else self._no_pairs()
         return found._replace(moving=np.concatenate([*moving, np.zeros(0)]))
 
     def _store(self, state: State, pairs: Pairs, covered: float) -> None:

@@ -36,17 +36,17 @@ _PER_ELEMENT = (1, 3, bend_lines.CORNERS, 4, 4)  # corners
 
 @inlined
 def _one_part(kind, part, first, blocks, coefficients, setting, rooms, border, bend, span, hinge, held, positions, velocities, out):  # type: ignore[no-untyped-def]
-    """Returns the energy lost [J]."""
-    if kind == 0:
-        return lattice_block(part, blocks, (coefficients, held[0]), setting, positions, velocities, rooms, out[first[0] : first[1]])
+    """Returns the energy lost [J]. The lattice stands last, because it is compiled in this order and another process compiles the lattice meanwhile."""
     if kind == 1:
         return border_part(part, border, setting[1], held[1], positions, velocities, out[first[1] : first[2]])
     if kind == 2:
         return bend_part(part, bend, held[2], positions, out[first[2] : first[3]])
+    if kind == 3:
+        span_part(part, span, positions, out[first[3] : first[4]])
+        return 0.0
     if kind == 4:
         return hinge_part(part, hinge, held[3], positions, out[first[4] : first[5]])
-    span_part(part, span, positions, out[first[3] : first[4]])
-    return 0.0
+    return lattice_block(part, blocks, (coefficients, held[0]), setting, positions, velocities, rooms, out[first[0] : first[1]])
 
 
 @long_kernel

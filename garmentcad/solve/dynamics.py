@@ -7,6 +7,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from copy import deepcopy
+from typing import Any
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.button import ForceButton
 from garmentcad.forces.force import NO_PARTICLE
 from garmentcad.forces.internal import BINS, acting, law_arguments, lay_out_parts
+from garmentcad.forces.lattice import lattice_block
 from garmentcad.forces.time_step import SAFETY, SmallMotion
 from garmentcad.kernel_cache import compile_beside
 from garmentcad.solve.inertia import light_across, root_eased
@@ -111,6 +113,8 @@ class Dynamics:
         self.cut_steps = 0
         self._cuts = 0
         self.hold_still(np.zeros(cloth.particle_count, dtype=bool) if fixed is None else fixed)
+        if not getattr(run_steps, "overloads", True):
+            self._compile_beside()
 
     def hold_still(self, fixed: np.ndarray) -> None:
         """From now on the particles `fixed` (P,) bool do not move, and no others are kept from it."""
@@ -130,17 +134,19 @@ class Dynamics:
         """Prepare a fresh state: sliders that it does not bring are those of cloth that was never strained; contact allocates and detects."""
         state.friction = self.forces.slack() | state.friction
         self.contact.start(state)
-        if not getattr(run_steps, "overloads", True):
-            self._compile_beside(state)
         self.estimate_time_step(state)
 
-    def _compile_beside(self, state: State) -> None:
-        """Forces and response are the two longest of what `run_steps` calls: this process compiles the forces, another one the response and what comes last."""
-        contact = self.contact
-        rules, places, inertia = contact.arguments(state), (contact.positions, contact.velocities), (self._drag, contact.inverse_masses, self.across)
+    def _compile_beside(self) -> None:
+        """Let another process begin with the longest of what `run_steps` calls, in the order in which this one will ask for it: there is much to do before."""
+        contact, sums = self.contact, self.forces.sums(self._masses)
+        lattice: Any = self.forces.forces[0]  # `lay_out_parts` has seen that it is
+        blocks, coefficients, setting, rooms = lattice.arguments
+        rules, places = contact.arguments(contact.blank()), (contact.positions, contact.velocities)
+        inertia = (self._drag, contact.inverse_masses, self.across)
         compile_beside(
+            (lattice_block, (0, blocks, (coefficients, lattice.slack()), setting, *places, rooms, sums.corner_forces)),
             (respond, (rules, (*places, contact.inverse_masses, 0.0), 0.0, 0.0, 0.0)),
-            (advance_velocities, (self.forces.sums(self._masses), (0.0, 0.0), inertia, rules[4], rules[6].pressed, *places, self._out)),
+            (advance_velocities, (sums, (0.0, 0.0), inertia, rules[4], rules[6].pressed, *places, self._out)),
             (apply_bonds, (no_bonds(), contact.positions, 0.0, contact.velocities)),
         )
 
