@@ -79,8 +79,8 @@ def main() -> None:
     rest = sum(spent for _, spent in shares[SHOWN:])
     PAGE.write_text(
         "# The first drape\n\n"
-        f"{GARMENT} at {GRID_MM} mm, to its result folder, in a fresh cache of kernels and once more; one process compiles the response to contact beside the\n"
-        "one that drapes. Made by `python -m tools.cold_start_study`.\n\n"
+        f"{GARMENT} at {GRID_MM} mm, to its result folder, in a fresh cache of kernels and once more; another process compiles the\n"
+        "lattice and the response to contact meanwhile. Made by `python -m tools.cold_start_study`.\n\n"
         f"* cold {cold['wall_s']:.0f} s, warm {warm['wall_s']:.0f} s: {cold['wall_s'] - warm['wall_s']:.0f} s more\n"
         f"* warm, from the start of the program to the end of its first look (some 200 steps): {warm['first_look_s']:.1f} s\n"
         f"* `garmentcad --help`: {min(help_s() for _ in range(3)):.2f} s\n\n"
