@@ -97,6 +97,7 @@ SPEC_CASES = [
     spec("no schema", b"schema: 1\n", b"", "schema", "missing", "schema: 1"),
     spec("no units", b"units: mm\n", b"", "units", "missing", "units: mm"),
     spec("inches", b"units: mm", b"units: inch", "units", "'mm'", "came 'inch'"),
+    spec("schema of a truth", b"schema: 1", b"schema: true", "schema", "should be 1", "came 'true'"),
     spec("newer schema", b"schema: 1", b"schema: 2", "schema", "should be 1", "came 2"),
     spec("unknown key", b"seams:", b"seems:", "seems", "did you mean 'seams'", "Allowed:"),
     spec("unknown key inside", b"role:", b"rolle:", "panels.front.edges.0.rolle", "did you mean 'role'"),

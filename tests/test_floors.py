@@ -9,7 +9,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parent.parent / "garmentcad"
 FLOORS = {
-    "errors": 0,
+    "errors": 0, "schema_version": 0,
     "units": 1, "arrays": 1, "kernel_cache": 0,
     "geometry": 2,
     "pattern": 3, "fabric": 3, "mannequin": 3,

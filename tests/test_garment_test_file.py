@@ -87,6 +87,7 @@ FAULTS: list[tuple[Callable[[dict[str, Any]], Any], str, str]] = [
     (lambda d: d.update(repport={}), "repport", "did you mean 'report'"),
     (lambda d: d.pop("schema"), "schema", "`schema: 1`"),
     (lambda d: d.update(schema=2), "schema", "came 2"),
+    (lambda d: d.update(schema=True), "schema", "came 'true'"),
     (lambda d: d.pop("spec"), "spec", "is missing"),
     (lambda d: d.update(spec="flared-skrit"), "spec", "did you mean 'flared-skirt'"),
     (lambda d: d.update(spec="../x.yaml"), "spec", "is refused"),

@@ -218,6 +218,7 @@ def test_scan_that_is_no_body_is_refused(tmp_path):
 
 BAD = {
     "schema": (GOOD.replace("schema: 1", "schema: 2"), "schema"),
+    "schema of a truth": (GOOD.replace("schema: 1", "schema: true"), "schema"),
     "units": (GOOD.replace("mm", "cm"), "units"),
     "kind": (GOOD.replace("woman", "cat"), "kind"),
     "unknown key": (GOOD + "colour: red\n", "colour"),

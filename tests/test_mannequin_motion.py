@@ -97,6 +97,7 @@ def test_motions_in_which_parts_meet_are_refused_by_name_and_time():
 
 BAD = {
     "schema": ("schema: 2\nframes: [{time: 1}]\n", "schema: 1"),
+    "schema of a truth": ("schema: true\nframes: [{time: 1}]\n", "schema: 1"),
     "no frames": ("schema: 1\n", "frames"),
     "empty": ("schema: 1\nframes: []\n", "1 to 200"),
     "key": ("schema: 1\nframe: []\nframes: [{time: 1}]\n", "did you mean 'frames'"),

@@ -37,6 +37,7 @@ REFUSED = [
     pytest.param({"source": None, "W": 12}, "W", "no source", id="no source"),
     pytest.param({"sources": {"MAT15": "..."}, "W": {"value": 12, "source": "MAT51"}}, "W", "did you mean 'MAT15'", id="unknown source"),
     pytest.param({"schema": 2}, "schema", "2 came", id="schema"),
+    pytest.param({"schema": True}, "schema", "'true' came", id="schema of a truth"),
     pytest.param({"name": 7}, "name", "7 came", id="name"),
     pytest.param({"law": {"sheet_sha256": "0" * 64, "values": {"B": 0.1}}}, "law.values.B", "'B'", id="law without direction"),
     pytest.param({"law": {"sheet_sha256": "0" * 64, "values": {"G.warp": float("nan")}}}, "law.values.G.warp", "nan", id="law nan"),

@@ -10,13 +10,14 @@ import hashlib
 import json
 import re
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 from pydantic_core import PydanticCustomError
 
 from garmentcad.errors import FabricError, did_you_mean
 from garmentcad.fabric.quantity import BENDING_WAYS, KEYS, QUANTITIES, quantity_of
+from garmentcad.schema_version import SchemaVersion
 
 SHEAR_WINDOW_DEG = (0.5, 2.5)
 SHEARED_DEG = 8.0  # how far KES-FB1 shears
@@ -81,7 +82,7 @@ class KesSheet(_Model):
     shear_window_deg: the angles between which G was read as a slope, inside the tester's 0 to 8 degrees.
     """
 
-    schema_: Literal[1] = Field(alias="schema")
+    schema_: SchemaVersion = Field(alias="schema")
     name: str = Field(min_length=1, max_length=80)
     description: str = ""
     fibre: str | None = None

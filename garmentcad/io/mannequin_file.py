@@ -26,6 +26,7 @@ from garmentcad.mannequin.pose import ARM_ANGLE_DEG
 from garmentcad.mannequin.scan import mannequin_of_scan
 from garmentcad.pattern.model import Model
 from garmentcad.pattern.parse import parse_model
+from garmentcad.schema_version import SchemaVersion
 
 BodyLine = Literal["knee", "crotch", "hip", "waist", "bust", "armpit", "shoulder", "neck_front", "nape"]
 
@@ -33,7 +34,7 @@ BodyLine = Literal["knee", "crotch", "hip", "waist", "bust", "armpit", "shoulder
 class ScanSpec(Model):
     """A body scan with what is known of it. unit: of its numbers; heights: of body lines above the floor, mm, in place of those by proportion."""
 
-    schema_version: Literal[1] = Field(default=1, alias="schema")
+    schema_version: SchemaVersion = Field(default=1, alias="schema")
     units: Literal["mm"] = "mm"
     scan: Annotated[str, Field(pattern=r"^[^/\\]+\.(obj|ply|stl|glb)$")]
     description: str = ""
@@ -120,7 +121,7 @@ def checked_spec(data: Any, file: str) -> dict[str, Any]:
         if key not in _KEYS:
             raise MannequinError(f"{key!r} is not a key of a mannequin file{did_you_mean(str(key), _KEYS)}", file=file)
     for key, wanted in (("schema", 1), ("units", "mm")):
-        if data.get(key) != wanted:
+        if data.get(key) is True or data.get(key) != wanted:
             raise MannequinError(f"{data.get(key)!r} is refused; allowed: {wanted}", file=file, key=key)
     if data.get("kind") not in KINDS:
         raise MannequinError(f"{data.get('kind')!r} is not a kind of body; allowed: {', '.join(KINDS)}", file=file, key="kind")

@@ -27,7 +27,7 @@ def read_poses(name_or_path: str | Path) -> list[KeyFrame]:
     text = str(name_or_path)
     path = Path(text) if text.endswith((".yaml", ".yml")) else shipped_file("poses", text)
     data = read_yaml(path)
-    if not isinstance(data, dict) or data.get("schema") != 1 or not isinstance(data.get("frames"), list):
+    if not isinstance(data, dict) or data.get("schema") is True or data.get("schema") != 1 or not isinstance(data.get("frames"), list):
         raise MannequinError("a pose file is a mapping with `schema: 1` and a list `frames`", file=text)
     for key in data:
         if key not in _KEYS:

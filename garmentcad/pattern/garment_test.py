@@ -11,12 +11,13 @@ any one name in it. What is expected there is one of
 from __future__ import annotations
 
 import math
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag
 from pydantic_core import PydanticCustomError
 
 from garmentcad.pattern.model import Model
+from garmentcad.schema_version import SchemaVersion
 
 SHAPE = "shape"  # among the keys of a baseline: the whole surface, not a value of the report
 ANY = "*"
@@ -89,5 +90,5 @@ class GarmentTest(Model):
 class GarmentTestFile(GarmentTest):
     """A garment test in a file of its own. spec: a shipped garment, or a file in the folder of the test or below it."""
 
-    schema_version: Literal[1] = Field(default=1, alias="schema")
+    schema_version: SchemaVersion = Field(default=1, alias="schema")
     spec: str

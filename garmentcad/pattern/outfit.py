@@ -12,6 +12,7 @@ from garmentcad.errors import SpecError
 from garmentcad.pattern.model import Model
 from garmentcad.pattern.pattern import Band, Button, EdgeUse, Panel, PanelPoint, Pattern, Pin, Seam
 from garmentcad.pattern.spec import Name, Variable
+from garmentcad.schema_version import SchemaVersion
 
 
 class WornSpec(Model):
@@ -25,7 +26,7 @@ class WornSpec(Model):
 class OutfitSpec(Model):
     """Garments from the innermost to the outermost. What lies over another one at the waist is tucked over it: a shirt before a skirt is tucked into it."""
 
-    schema_version: Literal[1] = Field(default=1, alias="schema")
+    schema_version: SchemaVersion = Field(default=1, alias="schema")
     units: Literal["mm"] = "mm"
     name: Name
     description: str = ""

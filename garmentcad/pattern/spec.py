@@ -14,6 +14,7 @@ from pydantic_core import PydanticCustomError
 from garmentcad.pattern.expression import FUNCTIONS, check_grammar
 from garmentcad.pattern.garment_test import GarmentTest
 from garmentcad.pattern.model import Model
+from garmentcad.schema_version import SchemaVersion
 
 MAX_NUMBER = 1e9
 
@@ -393,7 +394,7 @@ class BeltSpec(Model):
 class GarmentSpec(Model):
     """One garment."""
 
-    schema_version: Literal[1] = Field(default=1, alias="schema")
+    schema_version: SchemaVersion = Field(default=1, alias="schema")
     units: Literal["mm"] = "mm"
     name: Name
     description: str = ""

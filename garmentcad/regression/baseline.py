@@ -13,7 +13,7 @@ import math
 import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import numpy as np
 from pydantic import Field
@@ -26,6 +26,7 @@ from garmentcad.io.npz_file import read_npz
 from garmentcad.pattern.garment_test import ANY, SHAPE, Number, ReportKey, Tolerance
 from garmentcad.pattern.model import Model
 from garmentcad.pattern.parse import parse_model
+from garmentcad.schema_version import SchemaVersion
 
 CONFIDENCE = 0.9998
 _REMEDY = "make it anew with `garmentcad test --remake`"
@@ -61,7 +62,7 @@ class Baseline(Model):
     rms_mm, max_mm: distances of the other lays from the shape of the first, where the test asks for the shape.
     """
 
-    schema_version: Literal[1] = Field(default=1, alias="schema")
+    schema_version: SchemaVersion = Field(default=1, alias="schema")
     version: str
     rule: str
     lays: Annotated[int, Field(strict=True, ge=FEWEST_LAYS)]
