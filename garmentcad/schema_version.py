@@ -7,9 +7,9 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator
 
 
-def _as_written(value: Any) -> Any:
+def as_written(value: Any) -> Any:
     """In Python true is equal to 1; written out it is not."""
     return str(value).lower() if isinstance(value, bool) else value
 
 
-SchemaVersion = Annotated[Literal[1], BeforeValidator(_as_written)]
+SchemaVersion = Annotated[Literal[1], BeforeValidator(as_written)]

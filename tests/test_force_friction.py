@@ -59,6 +59,18 @@ def test_sticking_is_minus_gradient_of_energy(name: str, kind: str) -> None:
     assert np.array_equal(used, sliders)
 
 
+@pytest.mark.parametrize("share", [-0.9, 0.0, 0.9])
+@pytest.mark.parametrize("name", LAWS)
+def test_drawn_sliders_stand_a_share_of_their_way_behind_the_strain_and_hold(name: str, share: float) -> None:
+    positions = deformed(CLOTH, KINDS[0], seed=1)
+    force, gauge = LAWS[name], LAWS[name].gauge(positions)
+    drawn = force.drawn(positions, share)
+    assert np.allclose(gauge.strain - drawn, share * gauge.way, rtol=1e-9, atol=1e-12)
+    used = drawn.copy()
+    force.write_forces(positions, np.zeros_like(positions), np.zeros((len(force.corners), 3)), used)
+    assert np.array_equal(used, drawn)
+
+
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("name", LAWS)
 def test_no_net_force_nor_torque(name: str, kind: str) -> None:

@@ -26,7 +26,7 @@ from garmentcad.mannequin.pose import ARM_ANGLE_DEG
 from garmentcad.mannequin.scan import mannequin_of_scan
 from garmentcad.pattern.model import Model
 from garmentcad.pattern.parse import parse_model
-from garmentcad.schema_version import SchemaVersion
+from garmentcad.schema_version import SchemaVersion, as_written
 
 BodyLine = Literal["knee", "crotch", "hip", "waist", "bust", "armpit", "shoulder", "neck_front", "nape"]
 
@@ -121,7 +121,7 @@ def checked_spec(data: Any, file: str) -> dict[str, Any]:
         if key not in _KEYS:
             raise MannequinError(f"{key!r} is not a key of a mannequin file{did_you_mean(str(key), _KEYS)}", file=file)
     for key, wanted in (("schema", 1), ("units", "mm")):
-        if data.get(key) is True or data.get(key) != wanted:
+        if as_written(data.get(key)) != wanted:
             raise MannequinError(f"{data.get(key)!r} is refused; allowed: {wanted}", file=file, key=key)
     if data.get("kind") not in KINDS:
         raise MannequinError(f"{data.get('kind')!r} is not a kind of body; allowed: {', '.join(KINDS)}", file=file, key="kind")

@@ -11,6 +11,7 @@ from garmentcad.io.shipped import shipped_file
 from garmentcad.io.yaml_file import read_yaml
 from garmentcad.mannequin.motion import KeyFrame, Pose, allowed
 from garmentcad.pattern.parse import shown
+from garmentcad.schema_version import as_written
 
 MAX_FRAMES, MAX_TIME_S = 200, 60.0
 _TIME = f"more than 0 and at most {MAX_TIME_S:g} s are allowed"
@@ -27,7 +28,7 @@ def read_poses(name_or_path: str | Path) -> list[KeyFrame]:
     text = str(name_or_path)
     path = Path(text) if text.endswith((".yaml", ".yml")) else shipped_file("poses", text)
     data = read_yaml(path)
-    if not isinstance(data, dict) or data.get("schema") is True or data.get("schema") != 1 or not isinstance(data.get("frames"), list):
+    if not isinstance(data, dict) or as_written(data.get("schema")) != 1 or not isinstance(data.get("frames"), list):
         raise MannequinError("a pose file is a mapping with `schema: 1` and a list `frames`", file=text)
     for key in data:
         if key not in _KEYS:
