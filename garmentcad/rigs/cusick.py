@@ -37,8 +37,8 @@ from garmentcad.solve.dynamics import Dynamics
 from garmentcad.solve.strain_limit import strain_limit
 from garmentcad.units import GRAVITY_M_S2, M_TO_MM, MM_TO_M
 
-CLAMPED = 0.6
-LEAST_BEFORE, MOST_BEFORE = CLAMPED - 1.0, 1.2  # arms between the edge of the disc and the last held particle of a bend line
+CLAMPED = 0.3
+LEAST_FREE, MOST_FREE = CLAMPED, 1.6  # arms between the edge of the disc and the first free particle of a bend line, where that line is bent at all
 WAVINESS_MM = 0.5  # greatest height of a lay
 WAVES = 12  # of the waviness around the specimen
 LAYS = 5
@@ -177,9 +177,9 @@ def _disc(radius_mm: float) -> Panel:
 def _clamped(cloth: Cloth, fixed: np.ndarray, radius: float) -> Cloth:
     """The cloth whose bend lines bend from the edge of the disc of this radius [m] on, wherever between two particles it lies.
 
-    Free cloth begins s arms before the last held particle of a line. That particle's bend line and the next one stand together for what is free up to the
-    middle of the second arm: its length s + 3/2 and its first moment, so that a moment turns and lowers what hangs beyond them as it would the cloth. Lengths
-    are changed, not widths: the moment that internal friction holds is the cloth's.
+    The first free particle of a line lies a arms beyond the edge. Two bend lines stand together for what is free up to half an arm beyond it: that of the last
+    held particle, l0 arms long, and its own, l1. A force on that particle lowers it as it would the end of the cloth, l0 = a^3/3, and a moment turns what hangs
+    beyond as it would the cloth, l0 + l1 = a + 1/2. Lengths are changed, not widths: the moment that internal friction holds is the cloth's.
     """
     bends = cloth.bends
     place = MM_TO_M * cloth.vertex_uv_mm
@@ -193,14 +193,12 @@ def _clamped(cloth: Cloth, fixed: np.ndarray, radius: float) -> Cloth:
         arm = np.linalg.norm(way, axis=1)
         along = np.sum(start * way, axis=1) / arm
         crossed = along**2 - np.sum(start**2, axis=1) + radius**2
-        before = np.where(crossed > 0.0, (along - np.sqrt(np.maximum(crossed, 0.0))) / arm, 0.5)
+        reach = np.where(crossed > 0.0, 1.0 + (along - np.sqrt(np.maximum(crossed, 0.0))) / arm, MOST_FREE)
         second = np.where(weight[out] == 0.0, line[outer[out, 0], bends.direction[out]], -1)
         paired = second >= 0
-        before = np.clip(before, LEAST_BEFORE, MOST_BEFORE)
-        free = before + 1.5
-        beyond = np.where(paired, 0.5 * free * (1.5 - before), 1.0)
-        share[out] = free - beyond
-        share[second[paired]] = beyond[paired]
+        free = np.clip(reach, LEAST_FREE, MOST_FREE)
+        share[out] = free**3 / 3.0
+        share[second[paired]] = (free + 0.5 - share[out])[paired]
     return replace(cloth, bends=bends._replace(length_a=share * bends.length_a, length_b=share * bends.length_b))
 
 
