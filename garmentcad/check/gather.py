@@ -37,7 +37,7 @@ def check_gathers(pattern: Pattern, sheets: Mapping[str, KesSheet], file: str | 
             continue
         ratio, side = max((a / b, seam.a), (b / a, seam.b), key=lambda pair: pair[0])
         fabric = min((pattern.panels[use.panel].fabric or pattern.fabric for use in side), key=lambda name: limits[name])
-        if ratio > max(EASED, limits[fabric]):
+        if ratio > limits[fabric]:
             yield Finding(
                 "warning", "gather-too-tight", file, f"seams.{seam.name}",
                 f"{max(a, b):.0f} mm of {sheets[fabric].name} are gathered into {min(a, b):.0f} mm, {ratio:.2f} to 1; "
