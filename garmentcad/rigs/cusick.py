@@ -38,7 +38,9 @@ from garmentcad.solve.strain_limit import strain_limit
 from garmentcad.units import GRAVITY_M_S2, M_TO_MM, MM_TO_M
 
 CLAMPED = 0.3
-LEAST_FREE, MOST_FREE = CLAMPED, 1.6  # arms between the edge of the disc and the first free particle of a bend line, where that line is bent at all
+# Arms between the edge of the disc and the first free particle of a bend line. The most is that of a line askew to the edge; from 1.96 on nothing would be
+# left for the second line, and such lines, nearly along the edge, hardly bend.
+LEAST_FREE, MOST_FREE = CLAMPED, 1.6
 WAVINESS_MM = 0.5  # greatest height of a lay
 WAVES = 12  # of the waviness around the specimen
 LAYS = 5
@@ -175,11 +177,12 @@ def _disc(radius_mm: float) -> Panel:
 
 
 def _clamped(cloth: Cloth, fixed: np.ndarray, radius: float) -> Cloth:
-    """The cloth whose bend lines bend from the edge of the disc of this radius [m] on, wherever between two particles it lies.
+    """The cloth whose bend lines bend from the edge of the disc of this radius [m] on, wherever between two particles it lies. fixed (P,) bool: the particles
+    that the clamp holds.
 
     The first free particle of a line lies a arms beyond the edge. Two bend lines stand together for what is free up to half an arm beyond it: that of the last
-    held particle, l0 arms long, and its own, l1. A force on that particle lowers it as it would the end of the cloth, l0 = a^3/3, and a moment turns what hangs
-    beyond as it would the cloth, l0 + l1 = a + 1/2. Lengths are changed, not widths: the moment that internal friction holds is the cloth's.
+    held particle, l0 arms long, and its own, l1. A force on the free particle lowers it as it would the end of the cloth, l0 = a^3/3, and a moment turns what hangs
+    beyond as it would the cloth, l0 + l1 = a + 1/2 (a cantilever of small deflection). Lengths are changed, not widths: the moment that internal friction holds is the cloth's.
     """
     bends = cloth.bends
     place = MM_TO_M * cloth.vertex_uv_mm
