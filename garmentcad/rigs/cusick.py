@@ -181,8 +181,8 @@ def _clamped(cloth: Cloth, fixed: np.ndarray, radius: float) -> Cloth:
     that the clamp holds.
 
     The first free particle of a line lies a arms beyond the edge. Two bend lines stand together for what is free up to half an arm beyond it: that of the last
-    held particle, l0 arms long, and its own, l1. A force on the free particle lowers it as it would the end of the cloth, l0 = a^3/3, and a moment turns what hangs
-    beyond as it would the cloth, l0 + l1 = a + 1/2 (a cantilever of small deflection). Lengths are changed, not widths: the moment that internal friction holds is the cloth's.
+    held particle, l0 arms long, and its own, l1. As the cloth would (a cantilever of small deflection), a force on the free particle lowers it, l0 = a^3/3, and
+    a moment turns what hangs beyond, l0 + l1 = a + 1/2. Lengths are changed, not widths: the moment that internal friction holds is the cloth's.
     """
     bends = cloth.bends
     place = MM_TO_M * cloth.vertex_uv_mm
