@@ -38,6 +38,15 @@ def test_seconds_left_follow_the_residual(monkeypatch: pytest.MonkeyPatch) -> No
     assert seen[-1][2] is None
 
 
+def test_the_end_of_a_coarser_lattice_is_not_called_rest() -> None:
+    made, state = course(1.0, 9.0, "drape")
+    made.is_last = False
+    seen: list[str] = []
+    assert made.run(state, lambda progress: seen.append(progress.phase)) == "converged"
+    assert set(seen[:-1]) == {"fall"}
+    assert seen[-1] == "refine"
+
+
 def test_no_more_is_left_than_the_cap(monkeypatch: pytest.MonkeyPatch) -> None:
     """A residual that hardly falls."""
     made, state = course(1.0, 0.2, "drape")

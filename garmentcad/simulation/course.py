@@ -92,7 +92,8 @@ SMALLEST_STEP_FACTOR = 1.0 / 8.0  # of the time step that the stiffness allows, 
 
 @dataclass(frozen=True)
 class Progress:
-    """One look at a running drape. eta_s: simulated seconds until rest, from the trend of the residual; None where there is none, and before it settles."""
+    """One look at a running drape. phase: of the state, or `refine` where a coarser lattice is done and a finer one follows. eta_s: simulated seconds until
+    rest, from the trend of the residual; None where there is none, and before it settles."""
 
     phase: str
     step: int
@@ -236,7 +237,8 @@ class Course:
                 state.run[_TRULY] = 1.0
             state.run[_PLAIN] = 1.0  # where another one follows
             self._enter(state, "rest" if left.at_rest and not grew else "settle")
-        look(Progress(state.phase, state.step, state.time_s, None, None if left is None else left.rms_g, rms, self._eta(state, left)))
+        told = "refine" if state.phase == "rest" and not self.is_last else state.phase
+        look(Progress(told, state.step, state.time_s, None, None if left is None else left.rms_g, rms, self._eta(state, left)))
 
     def _follow(self, state: State, left: Residual) -> None:
         """Set the drag of the settling, from its time; with true masses that of each patch, from how it moves."""
