@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -297,6 +298,32 @@ def test_a_fabric_in_place_of_the_specs() -> None:
     (refused,) = examine("knit-top", "woman-88", fabric="strech-twill")
     assert (refused.severity, refused.key, refused.file) == ("error", "fabric", None)
     assert "did you mean 'stretch-twill'" in refused.message
+
+
+@pytest.mark.parametrize(("hole", "found"), [(115, []), (60, ["closure-missing"])])
+def test_what_is_laid_above_the_head_falls_over_it(tmp_path: Path, hole: int, found: list[str]) -> None:
+    """A round poncho of one panel: the neckline goes around the neck, and has to pass the head."""
+    path = tmp_path / "poncho.yaml"
+    path.write_text(f"""
+schema: 1
+units: mm
+name: poncho
+fabric: wool-overcoating
+mannequin: woman-88
+panels:
+  round:
+    points: {{a: [0, -600], c: [0, -{hole}]}}
+    edges: [{{name: hem, from: a, to: a, arc: {{center: [0, 0], direction: counterclockwise}}}}]
+    cutouts: [[{{name: neck, from: c, to: c, arc: {{center: [0, 0], direction: clockwise}}}}]]
+    placement: {{transform: {{translation: [0, stature + 30, 0], rotation: [-90, 0, 0]}}}}
+seams: []
+""")
+    findings = examine(str(path))
+    assert [finding.code for finding in findings] == found
+    for finding in findings:
+        length, pulled, needed = (float(text) for text in re.findall(r"(\d+) mm", finding.message)[1:])
+        assert length == pytest.approx(2.0 * math.pi * hole, rel=0.01)
+        assert length < pulled < needed == pytest.approx(head_girth_mm(read_mannequin("woman-88")), abs=1.0)
 
 
 def test_heads_and_hands_of_the_shipped_bodies() -> None:

@@ -15,8 +15,8 @@ _ABOVE_ANKLE_M, _NECK_M, _BELOW_NECK_M = 0.02, 0.10, 0.15  # below the neck lies
 
 
 class BodyPart(NamedTuple):
-    """A part of the body that rings go around. levels (N,) m along `axis`, taped girths (N,) mm there; passed (N,) mm: what a ring at each level has to pass;
-    by: what that is."""
+    """A part of the body that rings go around, the neck with the head. levels (N,) m along `axis`, taped girths (N,) mm there; passed (N,) mm: what a ring at
+    each level has to pass; by: what that is; top (3,) m: its highest point."""
 
     name: str
     origin: np.ndarray
@@ -25,6 +25,7 @@ class BodyPart(NamedTuple):
     girths: np.ndarray
     passed: np.ndarray
     by: str
+    top: np.ndarray
 
     @property
     def said(self) -> str:
@@ -67,5 +68,5 @@ def body_parts(body: Mannequin) -> tuple[BodyPart, ...]:
             passed, by = np.full(len(levels), head_girth_mm(body) or 0.0), "head"
         elif name.startswith("arm"):
             passed, by = np.maximum(from_below, hand_girth_mm(body, name[4:]) or 0.0), "hand or the arm"
-        found.append(BodyPart(name, cylinder.origin, cylinder.up, levels, girths, passed, by))
+        found.append(BodyPart(name, cylinder.origin, cylinder.up, levels, girths, passed, by, points[np.argmax(points[:, 1])]))
     return tuple(found)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from garmentcad.analysis.section import Chain, Plane, cut
+from garmentcad.analysis.section import Chain, Plane, cut, horizontal
 from garmentcad.check.body_part import BodyPart, body_parts
 from garmentcad.check.finding import Finding
 from garmentcad.check.holding import check_belts, check_falling, check_held
@@ -122,6 +122,10 @@ def _rings(pattern: Pattern, cloth: Cloth, positions: np.ndarray, part: BodyPart
             return chain.closed
         return limb and bool(wrapped[chain.triangles].all()) and chain.span_around(center(plane.offset), plane) > _LEAST_SPAN
 
+    def over_head(chain: Chain) -> bool:
+        """What is laid above the head falls over it, to the neck."""
+        return part.name == "neck" and float(chain.points[:, 1].min()) > part.top[1] and chain.winds_around(part.top, horizontal(float(part.top[1])))
+
     for level in part.levels.tolist():
         plane = Plane(part.axis, level)
         chains = [chain for chain in cut(positions, particle_triangles, plane) if around(chain, plane)]
@@ -132,7 +136,7 @@ def _rings(pattern: Pattern, cloth: Cloth, positions: np.ndarray, part: BodyPart
     for triangles, corners in openings(particle_triangles):
         level = float((positions[particle_triangles[triangles, corners]] @ part.axis).mean())
         seen = Chain(positions[particle_triangles[triangles, corners]], triangles, True, corners, corners, corners, corners)
-        if part.levels[0] <= level <= part.levels[-1] and around(seen, Plane(part.axis, level)):
+        if over_head(seen) or (part.levels[0] <= level <= part.levels[-1] and around(seen, Plane(part.axis, level))):
             ringed[owner[triangles]] = True
             found.append(ring(level, flat[triangles, (corners + 1) % 3] - flat[triangles, corners], triangles))
     return found, ringed
