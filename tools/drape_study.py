@@ -30,7 +30,7 @@ from tools.study import FOLDER
 COMMAND = "python -m tools.drape_study"
 GRID_MM, FINE_MM, FINEST_MM = 10.0, 5.0, 2.5
 LAYS, GRID_LAYS, STEP_LAYS = 5, 10, 3
-FINEST_LAYS = 1  # one takes half an hour and more
+FINEST_LAYS = 1  # one takes ten minutes to half an hour and more
 # Drape coefficient and nodes. Source: Matsudaira et al. 2015, J. Textile Eng. 61(6) 69-73, a public transcription of its tables; the disc is not told,
 # 12.7/25.4 cm is likely.
 MEASURED = {
@@ -42,7 +42,7 @@ MEASURED = {
 KNOWN = ("W", "T0", "B.mean", "2HB.mean")  # what the sheets of these four hold; all else is by the rules for missing values
 SHEARS = (0.3, 1.0, 3.0)  # gf/(cm.deg), beside the rule's
 DISCS = ("12.7/25.4", "18/30")
-FOUR_AT_MM = {"measured": GRID_MM, "measured-fine": FINE_MM}  # parts of these four
+FOUR_AT_MM = {"measured": GRID_MM, "measured-fine": FINE_MM, "measured-finest": FINEST_MM}  # parts of these four
 NODES_AT_MM = {"nodes": GRID_MM, "nodes-fine": FINE_MM, "nodes-finest": FINEST_MM}  # synthetic sheets, each part those that the one before does not resolve
 AT_MM = FOUR_AT_MM | NODES_AT_MM
 SYNTHETIC_W = 15.0  # mg/cm2
@@ -61,6 +61,7 @@ COMPARED = (
     "polycotton-trousering",
 )  # from the softest shipped sheet to the stiffest
 SHIFTS = (0.25, 0.5)  # of a cell, along and across
+ORIGIN_AT_MM = {"origin": GRID_MM, "origin-fine": FINE_MM}  # parts of these shifts
 STEPS = (0.5, 0.25)
 WAITED_S = 2.0
 
@@ -104,9 +105,10 @@ def study_cases(known: Mapping[str, KesSheet]) -> list[StudyCase]:
 
     found = []
     for lay in range(GRID_LAYS):
-        if lay < LAYS:
-            for part in FOUR_AT_MM:
+        for part, grid_mm in FOUR_AT_MM.items():
+            if lay < (FINEST_LAYS if grid_mm == FINEST_MM else LAYS):
                 found += [case(part, name, lay, disc, geometry=disc) for name in known if name.startswith("MAT15") for disc in DISCS]
+        if lay < LAYS:
             found += [case("nodes", name, lay) for name in SYNTHETIC_SHEETS]
             found += [case("nodes-fine", name, lay) for name in unresolved(GRID_MM)]
             found += [case("shipped", name, lay) for name in fabric_names()]
@@ -114,7 +116,7 @@ def study_cases(known: Mapping[str, KesSheet]) -> list[StudyCase]:
             found += [case("nodes-finest", name, lay) for name in unresolved(FINE_MM)]
         found += [case("grid", name, lay) for name in COMPARED]
         if lay < LAYS:
-            found += [case("origin", name, lay) for name in COMPARED]
+            found += [case(part, name, lay) for part in ORIGIN_AT_MM for name in COMPARED]
         if lay < STEP_LAYS:
             found += [case("step", name, lay) for name in COMPARED]
     return found
@@ -140,13 +142,17 @@ def run_case(case: StudyCase, materials: MaterialTable) -> Mapping[str, Any]:
     meter = Drapemeter(materials, AT_MM.get(part, GRID_MM), case.parameters.get("geometry", USUAL))
     drape = meter.lay(lay)
     row = figures(drape)
-    if part == "grid":
-        row["fine"] = figures(Drapemeter(materials, FINE_MM).taken_over(meter, drape))
-    if part == "origin":
+    if part in ("grid", "origin-fine"):
+        coarse, meter = meter, Drapemeter(materials, FINE_MM)
+        drape = meter.taken_over(coarse, drape)
+        row["fine"] = figures(drape)
+    if part in ORIGIN_AT_MM:
         row["shifted"], row["anew"] = {}, {}
         for shift in SHIFTS:
-            other = Drapemeter(materials, GRID_MM, origin_mm=(shift * GRID_MM, shift * GRID_MM))
-            row["shifted"][f"{shift:g}"], row["anew"][f"{shift:g}"] = figures(other.taken_over(meter, drape)), figures(other.lay(lay))
+            other = Drapemeter(materials, ORIGIN_AT_MM[part], origin_mm=(shift * ORIGIN_AT_MM[part],) * 2)
+            row["shifted"][f"{shift:g}"] = figures(other.taken_over(meter, drape))
+            if part == "origin":
+                row["anew"][f"{shift:g}"] = figures(other.lay(lay))
     if part == "step":
         row["time_step"] = {f"{step:g}": figures(meter.lay(lay, step)) for step in STEPS}
         row["drift_percent_s"] = (meter.waited(drape, WAITED_S).dc_percent - drape.dc_percent) / WAITED_S
@@ -169,7 +175,7 @@ def page(rows: Iterable[Row]) -> str:
     for part, grid_mm in FOUR_AT_MM.items():
         if part in parts:
             lines += [*_measured(parts[part], grid_mm), ""]
-    shown = {"nodes": _nodes, "shipped": _shipped, "grid": _grid, "origin": _origin, "step": _step}
+    shown = {"nodes": _nodes, "shipped": _shipped, "grid": _grid, "origin": _origin, "origin-fine": _origin_fine, "step": _step}
     for part, write in shown.items():
         if part in parts:
             lines += [*write(parts), ""]
@@ -298,6 +304,21 @@ def _origin(parts: Mapping[str, Mapping[str, list[Row]]]) -> list[str]:
         cells = [f"{change[np.argmax(np.abs(change))]:+.1f}, {change.mean():+.1f}" for change in moved]
         cells += [_spread(_dc(rows, "anew", f"{shift:g}")) for shift in SHIFTS]
         lines.append(f"| {name} | {len(rows)} | {_spread(_dc(rows))} | " + " | ".join(cells) + " |")
+    return lines
+
+
+def _origin_fine(parts: Mapping[str, Mapping[str, list[Row]]]) -> list[str]:
+    """The finer lattice shifted by a part of a cell."""
+    lines = [
+        f"## Lattice of {FINE_MM:g} mm shifted", "",
+        f"Each lay at rest at {GRID_MM:g} mm is taken over by the lattice of {FINE_MM:g} mm and settles there, and once more on one that is shifted by a part "
+        "of its own cell. DC is to move by at most 1.5 points.", "",
+        *_table("fabric", "lays", f"DC at {FINE_MM:g} mm (SD)", *(f"{shift:g}: moved, each lay" for shift in SHIFTS), "kept their nodes"),
+    ]  # fmt: skip
+    for name, rows in parts["origin-fine"].items():
+        cells = [" ".join(f"{change:+.1f}" for change in _dc(rows, "shifted", f"{shift:g}") - _dc(rows, "fine")) for shift in SHIFTS]
+        kept = [int((_values(rows, "nodes", "shifted", f"{shift:g}") == _values(rows, "nodes", "fine")).sum()) for shift in SHIFTS]
+        lines.append(f"| {name} | {len(rows)} | {_spread(_dc(rows, 'fine'))} | " + " | ".join(cells) + f" | {', '.join(map(str, kept))} |")
     return lines
 
 

@@ -123,6 +123,8 @@ def _print_passport(passport: Passport, folder: Path) -> None:
     for key, row in passport.figures["kes"].items():
         given, error = row["input"], row["error_percent"]
         table.add_row(key, "-" if given is None else f"{given:.4g}", f"{row['simulated']:.4g}", "-" if error is None else f"{error:+.2f}")
+    for way in ("warp", "weft"):
+        table.add_row(f"bending length {way}, mm", "", f"{passport.figures['cantilever'][way]['bending_length_mm']:.1f}", "")
     drape = passport.figures["drape"]
     if drape is not None:
         table.add_row("drape coefficient, %", "", f"{drape['dc_percent']['mean']:.1f}", "")

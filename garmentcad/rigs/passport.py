@@ -10,13 +10,17 @@ from typing import Any
 import numpy as np
 
 from garmentcad import __version__
+from garmentcad.fabric.cantilever import STANDARD_CHORD_DEG
+from garmentcad.fabric.material import MaterialTable
 from garmentcad.fabric.missing import measured_fraction
 from garmentcad.fabric.sheet import KesSheet, is_calibrated, sheet_sha256
 from garmentcad.rigs.calibrate import GRID_MM, beyond_tester_percent, corrections_percent
 from garmentcad.rigs.cusick import GEOMETRIES, LAYS, USUAL, Drape, Drapemeter
 from garmentcad.rigs.kes import TESTERS, KesTester, Record, run_tester, sheet_materials
+from garmentcad.rigs.strip import elastic_bending_length, standard_overhang
 
 SCHEMA = 1
+_STRIPS = {"warp": 0.0, "weft": 90.0}  # degrees from the length of the strip to its warp
 
 
 @dataclass(frozen=True)
@@ -42,6 +46,8 @@ def make_passport(sheet: KesSheet, grid_mm: float, lays: int = LAYS, geometry: s
     for tester in TESTERS:
         say(tester.name)
         records[tester] = run_tester(tester, sheet, materials, grid_mm)
+    say("cantilever")
+    cantilever = _cantilever_figures(materials)
     drapes, drapemeter = [], Drapemeter(materials, grid_mm, geometry)
     for seed in range(lays):
         say(f"drapemeter, lay {seed + 1} of {lays}")
@@ -57,6 +63,7 @@ def make_passport(sheet: KesSheet, grid_mm: float, lays: int = LAYS, geometry: s
         "law": _law_figures(sheet) if sheet.law else None,
         "kes": _compared(sheet, records),
         "bending_range_per_cm": {tester.way: float(record.branches[0].x[-1]) for tester, record in records.items() if tester.kind == "bending"},
+        "cantilever": cantilever,
         "drape": _drape_figures(drapes, geometry) if drapes else None,
         "wall_time_s": time.perf_counter() - began,
     }
@@ -76,6 +83,16 @@ def _compared(sheet: KesSheet, records: dict[KesTester, Record]) -> dict[str, di
             wanted = None if given is None else given.value
             rows[key] = {"input": wanted, "simulated": simulated, "error_percent": 100.0 * (simulated / wanted - 1.0) if wanted else None}
     return rows
+
+
+def _cantilever_figures(materials: MaterialTable) -> dict[str, Any]:
+    """The standard test of bending (ASTM D1388), and the bending length that B alone gives, without friction."""
+    figures: dict[str, Any] = {"chord_deg": STANDARD_CHORD_DEG}
+    for way, angle_deg in _STRIPS.items():
+        overhang = standard_overhang(materials, angle_deg)
+        without = elastic_bending_length(materials, angle_deg)
+        figures[way] = {"overhang_mm": overhang, "bending_length_mm": 0.5 * overhang, "without_friction_mm": without}
+    return figures
 
 
 def _drape_figures(drapes: list[Drape], geometry: str) -> dict[str, Any]:

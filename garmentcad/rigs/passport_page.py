@@ -35,6 +35,7 @@ def write_page(path: str | Path, passport: Passport) -> Path:
         reference = sheet_curves(passport.sheet, tester, float(np.abs(record.branches[0].x).max()))
         parts.append(f"<figure>{_plot(reference, record.branches, *_AXES[tester.kind])}<figcaption>{tester.name}</figcaption></figure>")
     parts.append("<p>Grey: what the sheet says, friction fully drawn on each way; red: recorded by the virtual tester.</p>")
+    parts.append(_cantilever(passport))
     if passport.drapes:
         parts.append(_drape(passport))
     return write_atomic(path, "\n".join(parts) + "\n</html>\n")
@@ -67,6 +68,16 @@ def _plot(reference: tuple[Branch, ...], record: tuple[Branch, ...], x_name: str
     words = f"<text x={_WIDTH // 2} y={_HEIGHT - 12} text-anchor=middle>{x_name} ({left:.3g} to {right:.3g})</text>"
     words += f"<text x=6 y=16>{y_name} ({low:.3g} to {high:.3g})</text>"
     return f"<svg width={_WIDTH} height={_HEIGHT}>{''.join(lines)}{words}</svg>"
+
+
+def _cantilever(passport: Passport) -> str:
+    figures = passport.figures["cantilever"]
+    said = "; ".join(
+        f"{way} {figures[way]['bending_length_mm']:.1f} mm ({figures[way]['overhang_mm']:.1f} mm hang over; B alone, without friction, gives "
+        f"{figures[way]['without_friction_mm']:.1f} mm)"
+        for way in ("warp", "weft")
+    )
+    return f"<h2>Cantilever (ASTM D1388), {figures['chord_deg']:g} degrees</h2><p>Bending length: {said}.</p>"
 
 
 def _drape(passport: Passport) -> str:

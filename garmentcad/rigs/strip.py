@@ -10,7 +10,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import root_scalar
 
+from garmentcad.errors import InputError
+from garmentcad.fabric.cantilever import STANDARD_CHORD_DEG, overhang_ratio
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.rigs.specimen import Specimen
 from garmentcad.units import GRAVITY_M_S2, M_TO_MM, MM_TO_M
@@ -20,6 +23,8 @@ GRIP = 2.5  # spacings of cloth in each clamp
 LOADS = 6  # steps in which weight comes in
 TURNS = 6  # steps in which the clamps of a loop are turned
 _INSIDE = 0.5 * (1.0 + 1e-6)  # of a spacing: how far into the free length the last held row stands
+_FINENESS, _FINEST_MM, _COARSEST_MM = 5.0, 1.0, 5.0  # spacings in a bending length; lattices of the standard test
+_READ_MM = 0.02  # to which an overhang is found
 SHAPES = {"ring": 0.0, "heart": 0.5 * math.pi, "pear": -0.5 * math.pi}  # by how much each end of a strip in a ring is turned up
 
 
@@ -41,6 +46,32 @@ def overhang(materials: MaterialTable, length_mm: float, grid_mm: float, angle_d
     positions = _loaded(strip, given, np.zeros_like(given), held)
     _, tip = strip.ends
     return Droop(M_TO_MM * float(positions[tip, 2].mean()), -M_TO_MM * float(positions[tip, 1].mean()))
+
+
+def standard_overhang(materials: MaterialTable, angle_deg: float = 0.0) -> float:
+    """The overhang [mm] at which the chord of a strip of the fabric in row 0 of `materials` lies 41.5 degrees below the horizontal, as ASTM D1388 slides it
+    out; half of it is the bending length that the standard prints. angle_deg: from the strip's length to its warp, 0 or 90.
+
+    A fifth of the bending length without friction is the spacing, between 1 and 5 mm. What internal friction holds is in the result, as in a laboratory's.
+    InputError for other angles.
+    """
+    if angle_deg not in (0.0, 90.0):
+        raise InputError(f"a standard strip at {angle_deg:g} degrees; allowed are 0 (along the warp) and 90")
+    elastic = elastic_bending_length(materials, angle_deg)
+    grid_mm = min(max(elastic / _FINENESS, _FINEST_MM), _COARSEST_MM)
+
+    def below(length_mm: float) -> float:
+        droop = overhang(materials, length_mm, grid_mm, angle_deg)
+        return math.degrees(math.atan2(droop.drop_mm, droop.reach_mm)) - STANDARD_CHORD_DEG
+
+    first = 2.0 * elastic
+    return float(root_scalar(below, x0=first, x1=1.1 * first, xtol=_READ_MM).root)
+
+
+def elastic_bending_length(materials: MaterialTable, angle_deg: float = 0.0) -> float:
+    """Bending length [mm] of the fabric in row 0 without friction, half the overhang at 41.5 degrees by the exact elastica; angle_deg: 0 or 90."""
+    bending, weight = float(materials.bending[0, int(angle_deg == 90.0)]), GRAVITY_M_S2 * float(materials.areal_mass[0])
+    return 0.5 * overhang_ratio() * M_TO_MM * (bending / weight) ** (1.0 / 3.0)
 
 
 def loop_drop(materials: MaterialTable, length_mm: float, grid_mm: float, shape: str, angle_deg: float = 0.0) -> float:
