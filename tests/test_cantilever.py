@@ -34,6 +34,28 @@ def test_boundary_value_solve_gives_the_same_angle_back(angle: float) -> None:
     assert chord_deg(overhang_ratio(angle)) == pytest.approx(angle, abs=2e-4)
 
 
+@pytest.mark.parametrize("held", [0.3, 3.0])
+def test_internal_friction_lengthens_the_overhang(held: float) -> None:
+    """The strip of this length, bent once out of the flat state, as a boundary value problem: theta' = max(m/16, m - h), the stick spring being 15 times as
+    stiff as the cloth, m' = -s cos(theta), s from the tip; theta(0) = 0, m(1) = 0."""
+    ratio = overhang_ratio(held=held)
+
+    def slopes(t: np.ndarray, y: np.ndarray) -> np.ndarray:
+        return np.vstack((ratio * np.maximum(y[1] / 16.0, y[1] - held), -(ratio**2) * (1.0 - t) * np.cos(y[0])))
+
+    def ends(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+        return np.array((a[0], b[1]))
+
+    grid = np.linspace(0.0, 1.0, 401)
+    solved = solve_bvp(slopes, ends, grid, np.vstack((grid, (1.0 + held) * (1.0 - grid))), tol=1e-6, max_nodes=50_000)
+    assert solved.success
+    fine = np.linspace(0.0, 1.0, 4001)
+    theta = solved.sol(fine)[0]
+    angle = math.degrees(math.atan2(np.trapezoid(np.sin(theta), fine), np.trapezoid(np.cos(theta), fine)))
+    assert angle == pytest.approx(41.5, abs=0.01)
+    assert ratio > 2.2
+
+
 def test_standard_angle_is_two_bending_lengths() -> None:
     assert overhang_ratio() == pytest.approx(2.0004, abs=1e-4)
 

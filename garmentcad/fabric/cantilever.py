@@ -4,6 +4,8 @@
     chord angle = atan(drop/reach) of the tip
 
 s runs from the free tip, theta is the slope below the horizontal. Each tip slope is one initial value problem, and the strip ends where theta reaches 0.
+With internal friction the moment m, the integral of s cos(theta) [B/c], bends by the law of `law_bending` out of the flat state: by m/(1 + STICK) where
+friction sticks, by m - h where it slides, the larger of the two; h = H c/B.
 At the standard chord angle of 41.5 degrees the overhang is 2.0004 c, so that half the overhang, the bending length that the standards print, is c within
 0.02 % and B = W g (bending length)^3 within 0.05 %. Peirce's formula c = L (cos(a/2)/(8 tan a))^(1/3) gives 0.5093 L there: B 5.75 % too large.
 Source: equilibrium of an inextensible elastic strip; Peirce 1930 for the approximation that is not used here.
@@ -18,17 +20,19 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
+from garmentcad.fabric.law_bending import STICK
+
 STANDARD_CHORD_DEG = 41.5
 
 
 @cache
-def overhang_ratio(chord_deg: float = STANDARD_CHORD_DEG) -> float:
-    """L/c at which the chord from the edge to the tip lies `chord_deg` (0.5 to 85) below the horizontal."""
+def overhang_ratio(chord_deg: float = STANDARD_CHORD_DEG, held: float = 0.0) -> float:
+    """L/c at which the chord from the edge to the tip lies `chord_deg` (0.5 to 85) below the horizontal. held: H c/B, what internal friction holds."""
 
     def off(tip_slope: float) -> float:
-        return _strip(tip_slope)[1] - math.radians(chord_deg)
+        return _strip(tip_slope, held)[1] - math.radians(chord_deg)
 
-    return _strip(float(brentq(off, 0.005, 0.5 * math.pi - 1e-9, xtol=1e-12)))[0]
+    return _strip(float(brentq(off, 0.005, 0.5 * math.pi - 1e-9, xtol=1e-12)), held)[0]
 
 
 def bending_from_overhang(overhang_m: float, weight_n_m2: float, chord_deg: float = STANDARD_CHORD_DEG) -> float:
@@ -36,11 +40,12 @@ def bending_from_overhang(overhang_m: float, weight_n_m2: float, chord_deg: floa
     return weight_n_m2 * (overhang_m / overhang_ratio(chord_deg)) ** 3
 
 
-def _strip(tip_slope: float) -> tuple[float, float]:
+def _strip(tip_slope: float, held: float) -> tuple[float, float]:
     """Length in c and chord angle [rad] of the strip whose tip has this slope [rad]."""
 
     def slopes(s: float, y: np.ndarray) -> tuple[float, float, float, float]:
-        return y[1], -s * math.cos(y[0]), math.cos(y[0]), math.sin(y[0])
+        bent = y[1] if held == 0.0 else min(y[1] / (1.0 + STICK), y[1] + held)
+        return bent, -s * math.cos(y[0]), math.cos(y[0]), math.sin(y[0])
 
     def level(s: float, y: np.ndarray) -> float:
         return float(y[0])

@@ -15,6 +15,7 @@ from scipy.optimize import root_scalar
 from garmentcad.errors import InputError
 from garmentcad.fabric.cantilever import STANDARD_CHORD_DEG, overhang_ratio
 from garmentcad.fabric.material import MaterialTable
+from garmentcad.rigs.equilibrium import UnbalancedError
 from garmentcad.rigs.specimen import Specimen
 from garmentcad.units import GRAVITY_M_S2, M_TO_MM, MM_TO_M
 
@@ -53,19 +54,23 @@ def standard_overhang(materials: MaterialTable, angle_deg: float = 0.0) -> float
     out; half of it is the bending length that the standard prints. angle_deg: from the strip's length to its warp, 0 or 90.
 
     A fifth of the bending length without friction is the spacing, between 1 and 5 mm. What internal friction holds is in the result, as in a laboratory's.
-    InputError for other angles.
+    InputError for other angles, UnbalancedError where a strip comes to no rest.
     """
     if angle_deg not in (0.0, 90.0):
         raise InputError(f"a standard strip at {angle_deg:g} degrees; allowed are 0 (along the warp) and 90")
-    elastic = elastic_bending_length(materials, angle_deg)
+    elastic, axis = elastic_bending_length(materials, angle_deg), int(angle_deg == 90.0)
     grid_mm = min(max(elastic / _FINENESS, _FINEST_MM), _COARSEST_MM)
 
     def below(length_mm: float) -> float:
         droop = overhang(materials, length_mm, grid_mm, angle_deg)
         return math.degrees(math.atan2(droop.drop_mm, droop.reach_mm)) - STANDARD_CHORD_DEG
 
-    first = 2.0 * elastic
-    return float(root_scalar(below, x0=first, x1=1.1 * first, xtol=_READ_MM).root)
+    held = float(materials.bending_friction[0, axis] / materials.bending[0, axis]) * elastic * MM_TO_M
+    about = 2.0 * elastic * overhang_ratio(held=held) / overhang_ratio()
+    found = root_scalar(below, x0=about, x1=1.01 * about, xtol=_READ_MM)
+    if not found.converged:
+        raise UnbalancedError(f"a strip finds no overhang at which its chord lies {STANDARD_CHORD_DEG:g} degrees down; about {about:.0f} mm was expected")
+    return float(found.root)
 
 
 def elastic_bending_length(materials: MaterialTable, angle_deg: float = 0.0) -> float:
