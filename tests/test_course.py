@@ -123,6 +123,16 @@ def test_what_stands_still_tries_true_masses_and_ends_where_it_is_out_of_balance
     assert (seen[0], seen[-1]) == (True, False)
 
 
+def test_a_patch_out_of_balance_that_stands_still_tries_true_masses_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A residual that is small in all, so that hardly any speed is less than a part of what it would give."""
+    monkeypatch.setattr(course_module, "residual", lambda *_: Residual(1e-6, 1.0, np.full(patches(CLOTH).max() + 1, 1.0)))
+    made, state = course(1.0, 20.0, "drape")
+    made.dynamics.hold_still(np.arange(CLOTH.particle_count) > 0)
+    state.phase, seen = "settle", []
+    made.run(state, lambda progress: seen.append(made.dynamics.equalise))
+    assert (seen[0], seen[-1]) == (True, False)
+
+
 def test_what_is_held_out_of_balance_does_not_creep_to_a_standstill(monkeypatch: pytest.MonkeyPatch) -> None:
     """A robe under a belt settled for two seconds at 23 g. Under the most drag, 200 /s, what is free would move at 1.1 m/s."""
     monkeypatch.setattr(course_module, "residual", lambda *_: Residual(23.0, 23.0, np.full(patches(CLOTH).max() + 1, 23.0)))

@@ -230,10 +230,9 @@ class Course:
                     state.velocities[:] = 0.0
                 self._enter(state, "watch")
                 state.run["watch_from_s"] = state.time_s
-            elif self.dynamics.equalise and rms < HELD_SHARE * GRAVITY_M_S2 * left.rms_g / SETTLE_MOST:
-                state.run[_TRULY] = 1.0  # what stands still with other masses than the true ones may yet move with these
-            elif rms < STANDS_M_S:
-                state.run[STANDS] = 1.0  # what does not is no nearer to rest at any later time
+            elif rms < max(STANDS_M_S, HELD_SHARE * GRAVITY_M_S2 * left.rms_g / SETTLE_MOST if self.dynamics.equalise else 0.0):
+                # What other masses than the true ones stand still with may yet move with these. What does not is no nearer to rest at any later time.
+                state.run[_TRULY if self.dynamics.equalise else STANDS] = 1.0
         elif state.phase == "watch" and state.time_s - state.run["watch_from_s"] >= WATCH_S:
             left = self.last = residual(self.dynamics, state, self._patch)
             grew = state.run["watch_rms_2"] > max(STILL_M_S, state.run.get("watch_rms_1", 0.0))
