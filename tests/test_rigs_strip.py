@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -80,6 +81,7 @@ def test_the_standard_test_prints_what_friction_holds_too() -> None:
     assert standard_overhang(SUITING, 90.0) == pytest.approx(expected, rel=0.015)
 
 
-def test_a_strip_on_the_bias_is_refused() -> None:
+@pytest.mark.parametrize("ask", [standard_overhang, elastic_bending_length])
+def test_a_strip_on_the_bias_is_refused(ask: Callable[[MaterialTable, float], float]) -> None:
     with pytest.raises(InputError, match="45 degrees; allowed are 0"):
-        standard_overhang(SUITING, 45.0)
+        ask(SUITING, 45.0)

@@ -68,7 +68,7 @@ def write_passport(
     disc: Annotated[str, typer.Option(help="Disc and specimen of the drapemeter, cm: 18/24, 18/30, 18/36 or 12.7/25.4.")] = "18/30",
     as_json: Annotated[bool, typer.Option("--json", help="One JSON object and nothing else.")] = False,
 ) -> None:
-    """The fabric passport: what virtual Kawabata testers and a drapemeter print of a sheet, beside the sheet.
+    """The fabric passport: what virtual Kawabata testers, a cantilever and a drapemeter print of a sheet, beside the sheet.
 
     A sheet without law values is calibrated first (minutes, once), and its file keeps them. Exit code 3 where a drape did not come to rest.
     """

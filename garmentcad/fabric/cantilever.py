@@ -41,11 +41,10 @@ def bending_from_overhang(overhang_m: float, weight_n_m2: float, chord_deg: floa
 
 
 def _strip(tip_slope: float, held: float) -> tuple[float, float]:
-    """Length in c and chord angle [rad] of the strip whose tip has this slope [rad]."""
+    """Length in c and chord angle [rad] of the strip whose tip has this slope [rad]. held: as for `overhang_ratio`."""
 
     def slopes(s: float, y: np.ndarray) -> tuple[float, float, float, float]:
-        bent = y[1] if held == 0.0 else min(y[1] / (1.0 + STICK), y[1] + held)
-        return bent, -s * math.cos(y[0]), math.cos(y[0]), math.sin(y[0])
+        return min(y[1] / (1.0 + STICK), y[1] + held), -s * math.cos(y[0]), math.cos(y[0]), math.sin(y[0])
 
     def level(s: float, y: np.ndarray) -> float:
         return float(y[0])

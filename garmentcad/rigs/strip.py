@@ -56,17 +56,14 @@ def standard_overhang(materials: MaterialTable, angle_deg: float = 0.0) -> float
     A fifth of the bending length without friction is the spacing, between 1 and 5 mm. What internal friction holds is in the result, as in a laboratory's.
     InputError for other angles, UnbalancedError where a strip comes to no rest.
     """
-    if angle_deg not in (0.0, 90.0):
-        raise InputError(f"a standard strip at {angle_deg:g} degrees; allowed are 0 (along the warp) and 90")
-    elastic, axis = elastic_bending_length(materials, angle_deg), int(angle_deg == 90.0)
-    grid_mm = min(max(elastic / _FINENESS, _FINEST_MM), _COARSEST_MM)
+    scale_mm, held = _scale(materials, angle_deg)
+    grid_mm = min(max(scale_mm / _FINENESS, _FINEST_MM), _COARSEST_MM)
 
     def below(length_mm: float) -> float:
         droop = overhang(materials, length_mm, grid_mm, angle_deg)
         return math.degrees(math.atan2(droop.drop_mm, droop.reach_mm)) - STANDARD_CHORD_DEG
 
-    held = float(materials.bending_friction[0, axis] / materials.bending[0, axis]) * elastic * MM_TO_M
-    about = 2.0 * elastic * overhang_ratio(held=held) / overhang_ratio()
+    about = scale_mm * overhang_ratio(held=held)
     found = root_scalar(below, x0=about, x1=1.01 * about, xtol=_READ_MM)
     if not found.converged:
         raise UnbalancedError(f"a strip finds no overhang at which its chord lies {STANDARD_CHORD_DEG:g} degrees down; about {about:.0f} mm was expected")
@@ -74,9 +71,19 @@ def standard_overhang(materials: MaterialTable, angle_deg: float = 0.0) -> float
 
 
 def elastic_bending_length(materials: MaterialTable, angle_deg: float = 0.0) -> float:
-    """Bending length [mm] of the fabric in row 0 without friction, half the overhang at 41.5 degrees by the exact elastica; angle_deg: 0 or 90."""
-    bending, weight = float(materials.bending[0, int(angle_deg == 90.0)]), GRAVITY_M_S2 * float(materials.areal_mass[0])
-    return 0.5 * overhang_ratio() * M_TO_MM * (bending / weight) ** (1.0 / 3.0)
+    """Bending length [mm] of the fabric in row 0 without friction, half the overhang at 41.5 degrees by the exact elastica; angle_deg: 0 or 90. InputError for
+    other angles."""
+    return 0.5 * overhang_ratio() * _scale(materials, angle_deg)[0]
+
+
+def _scale(materials: MaterialTable, angle_deg: float) -> tuple[float, float]:
+    """c = (B/(W g))^(1/3) [mm] along a standard strip, and what its internal friction holds, H c/B."""
+    if angle_deg not in (0.0, 90.0):
+        raise InputError(f"a standard strip at {angle_deg:g} degrees; allowed are 0 (along the warp) and 90")
+    axis = int(angle_deg == 90.0)
+    bending, holds = float(materials.bending[0, axis]), float(materials.bending_friction[0, axis])
+    scale = (bending / (GRAVITY_M_S2 * float(materials.areal_mass[0]))) ** (1.0 / 3.0)
+    return M_TO_MM * scale, holds * scale / bending
 
 
 def loop_drop(materials: MaterialTable, length_mm: float, grid_mm: float, shape: str, angle_deg: float = 0.0) -> float:
