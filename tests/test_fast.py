@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 from scipy.optimize import brentq
+from test_cantilever import slid_by_shooting
 from tester_records import loading
 
 from garmentcad.errors import FabricError
@@ -83,6 +84,22 @@ def test_lengths_by_the_exact_elastica() -> None:
     assert found["B.warp"].high * 98.0665 == pytest.approx(10.0 * 1.01 * (1 + 0.5 / (2.00035 * c_mm)) ** 3, rel=1e-3)
 
 
+def test_friction_is_taken_out_of_lengths_where_it_is_known() -> None:
+    """10 uN.m, 200 g/m2 and H c/B = 0.6 (and 0.15): without 2HB, B would come out 43 % too high (and 5 % too low). Strips of an independent solve."""
+    c = (1e-5 / 1.962) ** (1 / 3)
+    for held, raw in ((0.6, 1.43), (0.15, 0.953)):
+        printed = 2.0 * held * 1e-5 / c / 9.80665e-3  # 2HB, gf.cm/cm
+        overhang_mm = 1e3 * c * (2.0 * slid_by_shooting(held, 0.025) - slid_by_shooting(held, 0.05))
+        readings = {"W": 20.0, "overhang.warp": overhang_mm, "C.bias": 0.5 * overhang_mm}
+        assert by_key(readings)["B.warp"].value * 98.0665 == pytest.approx(10.0 * raw, rel=0.01)
+        for known in ({"2HB.warp": printed, "2HB.bias": printed}, {"2HB.mean": printed}, {"2HB.warp": printed, "2HB.weft": printed}):
+            found = by_key(readings | known)
+            for key in ("B.warp", "B.bias"):
+                assert found[key].value * 98.0665 == pytest.approx(10.0, rel=0.005)
+                assert found[key].low < found[key].value < found[key].high
+                assert "taken out" in found[key].how
+
+
 BAD = [
     ({"C.warp": 15.0}, "W", "only with the mass per area"),
     ({"W": 20.0, "C.warp": 15.0, "overhang.warp": 30.0}, "C.warp", "both a bending length and an overhang"),
@@ -93,6 +110,7 @@ BAD = [
     ({"EB5": 0.55, "E5.warp": 0.9, "E5.weft": 0.9, "E100.warp": 4.0, "E100.weft": 4.0}, "EB5", "no more than its yarns give"),
     ({"EB5": 0.0}, "EB5", "impossible"),
     ({"W": 20.0, "C.warp": 150.0}, "C.warp", "impossible for bending length"),
+    ({"W": 20.0, "C.warp": 15.0, "2HB.warp": 0.2}, "C.warp", "2HB = 0.2 gf.cm/cm alone holds a strip of 20 mg/cm2 level at an overhang of 30 mm"),
 ]
 
 

@@ -1,14 +1,16 @@
-"""Bending stiffness from a strip that hangs over an edge under its own weight (ASTM D1388, BS 3356, FAST-2): the exact elastica.
+"""Bending stiffness from a strip that is slid over an edge under its own weight (ASTM D1388, BS 3356, FAST-2): the exact elastica.
 
     theta'' = -s cos(theta),  theta'(0) = 0,  theta = 0 at the edge          lengths in c = (B/(W g))^(1/3)
     chord angle = atan(drop/reach) of the tip
 
 s runs from the free tip, theta is the slope below the horizontal. Each tip slope is one initial value problem, and the strip ends where theta reaches 0.
-With internal friction the moment m, the integral of s cos(theta) [B/c], bends by the law of `law_bending` out of the flat state: by m/(1 + STICK) where
-friction sticks, by m - h where it slides, the larger of the two; h = H c/B.
 At the standard chord angle of 41.5 degrees the overhang is 2.0004 c, so that half the overhang, the bending length that the standards print, is c within
 0.02 % and B = W g (bending length)^3 within 0.05 %. Peirce's formula c = L (cos(a/2)/(8 tan a))^(1/3) gives 0.5093 L there: B 5.75 % too large.
-Source: equilibrium of an inextensible elastic strip; Peirce 1930 for the approximation that is not used here.
+
+With internal friction the shape depends on the way there. Each place bends most at the edge, where all that is out pulls at it; farther out the strip turns
+down, the arm of the weight beyond grows shorter, and friction keeps a part of the curvature. Little friction therefore shortens the overhang (by 2.3 % at
+H c/B = 0.1), more lengthens it (by 24 % at 1), where a strip that is let down at its full length would be longer by 5 and 35 %.
+Source: equilibrium of an inextensible elastic strip with the law of `law_bending`; Peirce 1930 for the approximation that is not used here.
 """
 
 from __future__ import annotations
@@ -23,28 +25,57 @@ from scipy.optimize import brentq
 from garmentcad.fabric.law_bending import STICK
 
 STANDARD_CHORD_DEG = 41.5
+_PIECE = 0.04  # c that is slid out at a time: overhangs right to 2e-4
+_SAME_BEND = 1e-9  # 1/c: corrections of a curvature that end the search
+_MOST_CORRECTIONS = 500
+_RATIOS = (1.9, 5.1)  # between which all overhangs with friction lie, in c: 1.954 at H c/B = 0.11; stick springs alone bear 5.04
 
 
 @cache
-def overhang_ratio(chord_deg: float = STANDARD_CHORD_DEG, held: float = 0.0) -> float:
-    """L/c at which the chord from the edge to the tip lies `chord_deg` (0.5 to 85) below the horizontal. held: H c/B, what internal friction holds."""
+def overhang_ratio(chord_deg: float = STANDARD_CHORD_DEG) -> float:
+    """L/c at which the chord from the edge to the tip lies `chord_deg` (0.5 to 85) below the horizontal, without internal friction."""
 
     def off(tip_slope: float) -> float:
-        return _strip(tip_slope, held)[1] - math.radians(chord_deg)
+        return _strip(tip_slope)[1] - math.radians(chord_deg)
 
-    return _strip(float(brentq(off, 0.005, 0.5 * math.pi - 1e-9, xtol=1e-12)), held)[0]
-
-
-def bending_from_overhang(overhang_m: float, weight_n_m2: float, chord_deg: float = STANDARD_CHORD_DEG) -> float:
-    """B [N.m] of a strip of weight per area `weight_n_m2` whose overhang [m] reaches the chord angle."""
-    return weight_n_m2 * (overhang_m / overhang_ratio(chord_deg)) ** 3
+    return _strip(float(brentq(off, 0.005, 0.5 * math.pi - 1e-9, xtol=1e-12)))[0]
 
 
-def _strip(tip_slope: float, held: float) -> tuple[float, float]:
-    """Length in c and chord angle [rad] of the strip whose tip has this slope [rad]. held: as for `overhang_ratio`."""
+def slid_ratio(held: float) -> float:
+    """L/c at which the chord lies 41.5 degrees below the horizontal, slid out piece by piece. held: H c/B, what internal friction holds."""
+    curvature, slider = np.zeros(0), np.zeros(0)  # of each joint between two pieces, from the tip; the last one is at the edge
+    angle = before = 0.0
+    while angle < STANDARD_CHORD_DEG:
+        before, out = angle, len(curvature) + 1
+        curvature, slope = _bent(np.append(curvature, curvature[-1:] if out > 1 else 0.0), np.append(slider, 0.0), held)
+        slider = np.append(slider, 0.0)
+        slider = np.clip(slider, curvature - held / STICK, curvature + held / STICK)
+        angle = math.degrees(math.atan2(np.sin(slope).sum(), np.cos(slope).sum()))
+    return _PIECE * (out - 1 + (STANDARD_CHORD_DEG - before) / (angle - before))
+
+
+def bending_from_overhang(overhang_m: float, weight_n_m2: float, friction_n: float = 0.0) -> float:
+    """B [N.m] of a strip of weight per area `weight_n_m2` whose overhang [m] reaches 41.5 degrees. friction_n: H = 2HB/2 of its internal friction [N].
+
+    ValueError where friction alone would hold the strip level.
+    """
+    if friction_n == 0.0:
+        return weight_n_m2 * (overhang_m / overhang_ratio()) ** 3
+    if friction_n >= 0.5 * weight_n_m2 * overhang_m**2:
+        raise ValueError(f"{friction_n:g} N hold a strip of {overhang_m:g} m and {weight_n_m2:g} N/m2 level")
+
+    def longer(length: float) -> float:
+        return length * slid_ratio(friction_n / (weight_n_m2 * length**2)) - overhang_m
+
+    shortest, longest = (overhang_m / ratio for ratio in reversed(_RATIOS))
+    return weight_n_m2 * float(brentq(longer, shortest, longest, xtol=1e-5 * overhang_m)) ** 3
+
+
+def _strip(tip_slope: float) -> tuple[float, float]:
+    """Length in c and chord angle [rad] of the strip whose tip has this slope [rad]."""
 
     def slopes(s: float, y: np.ndarray) -> tuple[float, float, float, float]:
-        return min(y[1] / (1.0 + STICK), y[1] + held), -s * math.cos(y[0]), math.cos(y[0]), math.sin(y[0])
+        return y[1], -s * math.cos(y[0]), math.cos(y[0]), math.sin(y[0])
 
     def level(s: float, y: np.ndarray) -> float:
         return float(y[0])
@@ -53,3 +84,23 @@ def _strip(tip_slope: float, held: float) -> tuple[float, float]:
     path = solve_ivp(slopes, (0.0, 50.0), (tip_slope, 0.0, 0.0, 0.0), method="DOP853", events=level, rtol=1e-11, atol=1e-13)
     _, _, reach, drop = path.y_events[0][0]
     return float(path.t_events[0][0]), math.atan2(drop, reach)
+
+
+def _bent(curvature: np.ndarray, slider: np.ndarray, held: float) -> tuple[np.ndarray, np.ndarray]:
+    """Curvature [1/c] of each joint in equilibrium, from a guess and the sliders before, and slope [rad] of each piece. At the edge a joint has half a piece."""
+    pieces = np.arange(1, len(curvature) + 1)
+    span = np.full(len(curvature), _PIECE)
+    span[-1] *= 0.5
+    for _ in range(_MOST_CORRECTIONS):
+        slope = np.cumsum((span * curvature)[::-1])[::-1]
+        forward = _PIECE * np.cos(slope)
+        reach = np.cumsum(forward)
+        moment = _PIECE * (pieces * reach - np.cumsum(reach - 0.5 * forward))
+        stuck = (moment + STICK * slider) / (1.0 + STICK)
+        pulled = STICK * (stuck - slider)
+        asked = np.where(pulled > held, moment - held, np.where(pulled < -held, moment + held, stuck))
+        off = float(np.abs(asked - curvature).max())
+        curvature = 0.5 * (curvature + asked)
+        if off < _SAME_BEND:
+            return curvature, slope
+    raise ArithmeticError(f"a strip of {len(curvature)} pieces with H c/B = {held:g} finds no equilibrium")

@@ -10,10 +10,10 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import root_scalar
+from scipy.interpolate import PchipInterpolator
 
 from garmentcad.errors import InputError
-from garmentcad.fabric.cantilever import STANDARD_CHORD_DEG, overhang_ratio
+from garmentcad.fabric.cantilever import STANDARD_CHORD_DEG, overhang_ratio, slid_ratio
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.rigs.equilibrium import UnbalancedError
 from garmentcad.rigs.specimen import Specimen
@@ -24,8 +24,9 @@ GRIP = 2.5  # spacings of cloth in each clamp
 LOADS = 6  # steps in which weight comes in
 TURNS = 6  # steps in which the clamps of a loop are turned
 _INSIDE = 0.5 * (1.0 + 1e-6)  # of a spacing: how far into the free length the last held row stands
-_FINENESS, _FINEST_MM, _COARSEST_MM = 5.0, 1.0, 5.0  # spacings in a bending length; lattices of the standard test
-_READ_MM = 0.02  # to which an overhang is found
+_FINENESS, _FINEST_MM, _COARSEST_MM = 8.0, 0.5, 5.0  # spacings in a bending length; lattices of the standard test
+_SPARE = 1.1  # length of a strip over the overhang that is expected
+_READ_FROM = 4  # slides between whose chord angles the overhang is read
 SHAPES = {"ring": 0.0, "heart": 0.5 * math.pi, "pear": -0.5 * math.pi}  # by how much each end of a strip in a ring is turned up
 
 
@@ -50,24 +51,34 @@ def overhang(materials: MaterialTable, length_mm: float, grid_mm: float, angle_d
 
 
 def standard_overhang(materials: MaterialTable, angle_deg: float = 0.0) -> float:
-    """The overhang [mm] at which the chord of a strip of the fabric in row 0 of `materials` lies 41.5 degrees below the horizontal, as ASTM D1388 slides it
-    out; half of it is the bending length that the standard prints. angle_deg: from the strip's length to its warp, 0 or 90.
+    """The overhang [mm] at which the chord of a strip of the fabric in row 0 of `materials` lies 41.5 degrees below the horizontal, slid out as ASTM D1388
+    does; half of it is the bending length that the standard prints. angle_deg: from the strip's length to its warp, 0 or 90.
 
-    A fifth of the bending length without friction is the spacing, between 1 and 5 mm. What internal friction holds is in the result, as in a laboratory's.
+    The clamp lets go of one row after another, under the whole weight, so that internal friction keeps what the cloth was bent at the edge, as in a
+    laboratory. An eighth of the bending length without friction is the spacing, between 0.5 and 5 mm.
     InputError for other angles, UnbalancedError where a strip comes to no rest.
     """
     scale_mm, held = _scale(materials, angle_deg)
+    about = scale_mm * slid_ratio(held)
     grid_mm = min(max(scale_mm / _FINENESS, _FINEST_MM), _COARSEST_MM)
-
-    def below(length_mm: float) -> float:
-        droop = overhang(materials, length_mm, grid_mm, angle_deg)
-        return math.degrees(math.atan2(droop.drop_mm, droop.reach_mm)) - STANDARD_CHORD_DEG
-
-    about = scale_mm * overhang_ratio(held=held)
-    found = root_scalar(below, x0=about, x1=1.01 * about, xtol=_READ_MM)
-    if not found.converged:
-        raise UnbalancedError(f"a strip finds no overhang at which its chord lies {STANDARD_CHORD_DEG:g} degrees down; about {about:.0f} mm was expected")
-    return float(found.root)
+    slides, grip = math.ceil(_SPARE * about / grid_mm), GRIP * grid_mm
+    length_mm = grip + slides * grid_mm
+    strip = Specimen(materials, WIDTH_MM, length_mm, grid_mm, angle_deg, (0.5 * WIDTH_MM, grip + 0.5 * grid_mm), stays_flat=False)
+    along, spacing = strip.rest[:, 1], strip.cloth.spacing
+    given = np.column_stack([strip.rest[:, 0], np.zeros(len(along)), along])
+    edges = MM_TO_M * length_mm - spacing * np.arange(1, slides + 1)
+    last_rows = [np.flatnonzero(np.abs(along - edge) <= _INSIDE * spacing) for edge in edges]
+    strip.hold(*last_rows)
+    positions, angles = given, [0.0]
+    for edge in edges:
+        held_by_clamp = np.flatnonzero(along <= edge + _INSIDE * spacing)
+        positions = _balanced(strip, given, positions - given, held_by_clamp, 1.0)
+        _, tip = strip.ends
+        angles.append(math.degrees(math.atan2(-positions[tip, 1].mean(), positions[tip, 2].mean() - edge)))
+        if angles[-1] >= STANDARD_CHORD_DEG:
+            out_mm = grid_mm * np.arange(len(angles))
+            return float(PchipInterpolator(angles[-_READ_FROM:], out_mm[-_READ_FROM:])(STANDARD_CHORD_DEG))
+    raise UnbalancedError(f"a strip of {length_mm - grip:.0f} mm hangs over to {angles[-1]:.1f} degrees; {STANDARD_CHORD_DEG} were expected at {about:.0f} mm")
 
 
 def elastic_bending_length(materials: MaterialTable, angle_deg: float = 0.0) -> float:
