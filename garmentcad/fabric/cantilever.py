@@ -43,15 +43,14 @@ def overhang_ratio(chord_deg: float = STANDARD_CHORD_DEG) -> float:
 
 def slid_ratio(held: float) -> float:
     """L/c at which the chord lies 41.5 degrees below the horizontal, slid out piece by piece. held: H c/B, what internal friction holds."""
-    curvature, slider = np.zeros(0), np.zeros(0)  # of each joint between two pieces, from the tip; the last one is at the edge
+    curvature, slider = np.zeros(0), np.zeros(0)  # of the joints that end the pieces, from the tip; the last one is at the edge
     angle = before = 0.0
     while angle < STANDARD_CHORD_DEG:
-        before, out = angle, len(curvature) + 1
-        curvature, slope = _bent(np.append(curvature, curvature[-1:] if out > 1 else 0.0), np.append(slider, 0.0), held)
-        slider = np.append(slider, 0.0)
+        before, slider = angle, np.append(slider, 0.0)
+        curvature, slope = _bent(np.append(curvature, 0.0), slider, held)
         slider = np.clip(slider, curvature - held / STICK, curvature + held / STICK)
         angle = math.degrees(math.atan2(np.sin(slope).sum(), np.cos(slope).sum()))
-    return _PIECE * (out - 1 + (STANDARD_CHORD_DEG - before) / (angle - before))
+    return _PIECE * (len(slider) - (angle - STANDARD_CHORD_DEG) / (angle - before))
 
 
 def bending_from_overhang(overhang_m: float, weight_n_m2: float, friction_n: float = 0.0) -> float:
@@ -87,7 +86,7 @@ def _strip(tip_slope: float) -> tuple[float, float]:
 
 
 def _bent(curvature: np.ndarray, slider: np.ndarray, held: float) -> tuple[np.ndarray, np.ndarray]:
-    """Curvature [1/c] of each joint in equilibrium, from a guess and the sliders before, and slope [rad] of each piece. At the edge a joint has half a piece."""
+    """Curvature [1/c] of each joint in equilibrium, from a guess and the sliders before, and slope [rad] of each piece. The joint at the edge has half."""
     pieces = np.arange(1, len(curvature) + 1)
     span = np.full(len(curvature), _PIECE)
     span[-1] *= 0.5
