@@ -10,9 +10,10 @@ import numpy as np
 
 from garmentcad.arrays import indices
 from garmentcad.cloth.cloth import Cloth
-from garmentcad.contact.bvh import EDGE_EDGE, TRIANGLE_POINT, blocks_over, build_tree, near_pairs, refit, set_boxes
+from garmentcad.contact.bvh import build_tree, refit
 from garmentcad.contact.cloth import ClothElements
 from garmentcad.contact.elements import LEAST_GAP, elements, largest_around, unique_edges
+from garmentcad.contact.near import EDGE_EDGE, TRIANGLE_POINT, blocks_over, near_pairs
 from garmentcad.contact.surface import Surface, build_surface, bulge, convex_curvature, edge_of_side
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.geometry.closest import CORNER, EDGE, FACE
@@ -73,12 +74,6 @@ class BodyElements:
         self._edges, self._above_edge = elements(edges[near_sharp], numbers), above_edge[near_sharp]
         self._point_blocks = blocks_over(self._points, self.surface.vertices[sharp])
         self._edge_blocks = blocks_over(self._edges, self.surface.vertices[edges[near_sharp]].mean(axis=1))
-        self.refit()
-
-    def refit(self) -> None:
-        """Fit what `pairs` looks in to where the vertices are."""
-        set_boxes(self._point_blocks, self.surface.vertices)
-        set_boxes(self._edge_blocks, self.surface.vertices)
 
     def pairs(self, cloth: ClothElements, positions: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Nodes (N,4) of body vertex-cloth triangle and of cloth edge-body edge pairs closer than `reach` m, and for both, one after the other, the rows

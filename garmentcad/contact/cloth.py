@@ -8,8 +8,8 @@ from scipy.sparse import csr_matrix
 from garmentcad.arrays import floats, indices, unique_pairs
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.weld import welded_particles
-from garmentcad.contact.bvh import EDGE_EDGE_ONCE, POINT_TRIANGLE, blocks_over, near_pairs, set_boxes
 from garmentcad.contact.elements import elements, unique_edges
+from garmentcad.contact.near import EDGE_EDGE_ONCE, POINT_TRIANGLE, blocks_over, near_pairs
 from garmentcad.units import MM_TO_M
 
 _REST = 1.2  # pairs whose rest distance along the cloth is below this many gaps are left out
@@ -27,8 +27,7 @@ class ClothElements:
         # Neighbours on the pattern stay neighbours on the body, so the trees are built there, once.
         rest = np.zeros((count, 3))
         rest[cloth.vertex_particle] = _laid_out(cloth)
-        # Points ask, and nobody looks for them: they need no boxes.
-        self._point_blocks = blocks_over(elements(self._points, identity), rest[self._points])._replace(boxes=np.empty(0, dtype=np.float32))
+        self._point_blocks = blocks_over(elements(self._points, identity), rest[self._points])
         self.triangle_blocks = blocks_over(elements(triangles, identity), _laid_out(cloth)[cloth.triangles].mean(axis=1))
         self.edge_blocks = blocks_over(elements(self._edges, identity), rest[self._edges].mean(axis=1))
         self._neighbours = _Neighbours(cloth, identity, self._edges, _REST * largest_gap)
@@ -46,8 +45,6 @@ class ClothElements:
     def pairs(self, positions: np.ndarray, reach: float) -> tuple[np.ndarray, np.ndarray]:
         """Nodes (N,4) of vertex-triangle and of edge-edge pairs of the cloth with itself that are closer than `reach` m, neighbours left out."""
         both = (positions, positions)
-        set_boxes(self.triangle_blocks, positions)
-        set_boxes(self.edge_blocks, positions)
         touched = near_pairs(POINT_TRIANGLE, reach, self._point_blocks, self.triangle_blocks, both)
         crossed = near_pairs(EDGE_EDGE_ONCE, reach, self.edge_blocks, self.edge_blocks, both)
         touched = touched[~self._neighbours.vertex_triangle(self._points[touched[:, 0]], touched[:, 1])]
@@ -82,7 +79,6 @@ class _Neighbours:
         vertices, laid = np.arange(len(cloth.vertex_panel)), _laid_out(cloth)
         points, sides = elements(vertices, vertices), elements(unique_edges(cloth.triangles), vertices)
         ways = blocks_over(sides, laid[sides.nodes[:, :2]].mean(axis=1))
-        set_boxes(ways, laid)
         near = near_pairs(POINT_TRIANGLE, reach, blocks_over(points, laid), ways, (laid, laid))
         welded = identity[cloth.vertex_particle]
         corner, ends = near[:, 0], sides.nodes[near[:, 1], :2]

@@ -282,8 +282,6 @@ class Contact:
             moving.append(np.full(len(parts[-1].nodes), 2.0))
         if self._body is not None:
             sides = 1.0 if self._path is None else 2.0
-            if self._path is not None:
-                self._body.refit()
             pierced, crossed, outside = self._body.pairs(self._elements, positions, ELEMENT_GAP + sides * way_m)
             still = self.nodes - self.count
             friction = np.concatenate([self._body_friction, np.full(still, self._body_friction.mean())])

