@@ -23,6 +23,7 @@ _EVERY = np.uint64(0x0101010101010101)  # of eight
 _MOST_LEVELS = 11  # 8^11 leaves
 _SURE = 1.0 + 1e-6  # what is called apart without its distance is so by more than round-off
 _WIDTH = 16  # items found per query at the first try; fuller rows are searched again with room for all
+_LATELY = 256  # leaves that stay laid out, 170 kB a part of the work; of 128 more had to be laid out twice
 _LEAVES = 1 << 12  # of queries at a time, so that the room for what they find is small
 POINT_TRIANGLE, TRIANGLE_POINT, EDGE_EDGE, EDGE_EDGE_ONCE = 0, 1, 2, 3
 
@@ -43,14 +44,6 @@ class Blocks(NamedTuple):
     nodes: np.ndarray
     identity: np.ndarray
     first: np.ndarray
-
-
-class _Spread(NamedTuple):
-    """Where the elements of a tree are, eight of a leaf side by side in each row, and nothing where a leaf has fewer."""
-
-    boxes: np.ndarray  # (6 x LEAF x blocks,) float32, m: low and then high corners of eight boxes
-    shapes: np.ndarray  # (leaves,9,LEAF), of `_shape`
-    twins: np.ndarray  # (leaves,3,LEAF) int32, who counts as their points
 
 
 def blocks_over(elements: Elements, centers: np.ndarray) -> Blocks:
@@ -78,21 +71,31 @@ def _shape(nodes, edge, positions):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _spread_leaves(span, edges, items, positions, spread):  # type: ignore[no-untyped-def]
+def _lay_out(leaf, slot, edges, items, positions, shapes, twins):  # type: ignore[no-untyped-def]
+    """The elements of a leaf side by side: their shapes into shapes[slot] (9,LEAF), and who counts as their points into twins[slot] (3,LEAF)."""
+    leaves, count = items.first[1], len(items.nodes)
+    begin, end = leaf * count // leaves, (leaf + 1) * count // leaves
+    for place in range(begin, end):
+        shape, same = _shape(row(items.nodes, place), edges, positions), row(items.identity, place)
+        for k in range(9):
+            shapes[slot, k, place - begin] = shape[k]
+        for k in range(3):
+            twins[slot, k, place - begin] = same[k]
+
+
+@kernel
+def _box_leaves(span, items, positions, boxes):  # type: ignore[no-untyped-def]
     leaves, count = items.first[1], len(items.nodes)
     for leaf in range(span[0], span[1]):
         begin, end = leaf * count // leaves, (leaf + 1) * count // leaves
-        spread.boxes[6 * leaf * LEAF : (6 * leaf + 3) * LEAF] = math.inf
-        spread.boxes[(6 * leaf + 3) * LEAF : (6 * leaf + 6) * LEAF] = -math.inf
-        for place in range(begin, end):
-            lane, nodes, same = place - begin, row(items.nodes, place), row(items.identity, place)
-            shape = _shape(nodes, edges, positions)
+        for lane in range(LEAF):
             for axis in range(3):
-                x, y, z = positions[nodes[0], axis], positions[nodes[1], axis], positions[nodes[2], axis]
-                spread.boxes[(6 * leaf + axis) * LEAF + lane], spread.boxes[(6 * leaf + 3 + axis) * LEAF + lane] = min(x, y, z), max(x, y, z)
-                spread.twins[leaf, axis, lane] = same[axis]
-            for k in range(9):
-                spread.shapes[leaf, k, lane] = shape[k]
+                low, high = math.inf, -math.inf
+                if begin + lane < end:
+                    a, b, c = row(items.nodes, begin + lane)
+                    x, y, z = positions[a, axis], positions[b, axis], positions[c, axis]
+                    low, high = min(x, y, z), max(x, y, z)
+                boxes[(6 * leaf + axis) * LEAF + lane], boxes[(6 * leaf + 3 + axis) * LEAF + lane] = low, high
 
 
 @kernel
@@ -112,11 +115,12 @@ def _box_upper(first, boxes):  # type: ignore[no-untyped-def]
 
 @entry
 @parallel_kernel
-def _spread_out(edges, items, positions, spread):  # type: ignore[no-untyped-def]
-    """Set where the elements, edges or not, are from the positions (P,3) of their nodes."""
+def _box(items, positions, boxes):  # type: ignore[no-untyped-def]
+    """Set the boxes of a tree (6 x LEAF x blocks,) float32, m, from the positions (P,3) of its elements' nodes: low and then high corners of eight boxes side
+    by side, empty ones where there are fewer."""
     for chunk in prange(CHUNKS):
-        _spread_leaves(chunk_range(chunk, items.first[1]), edges, items, positions, spread)
-    _box_upper(items.first, spread.boxes)
+        _box_leaves(chunk_range(chunk, items.first[1]), items, positions, boxes)
+    _box_upper(items.first, boxes)
 
 
 @row_kernel
@@ -139,28 +143,28 @@ def _meet(boxes, block, corners, many, out):  # type: ignore[no-untyped-def]
 
 
 @row_kernel
-def _strangers(twins, leaf, identity, begin, asked, many, out):  # type: ignore[no-untyped-def]
+def _strangers(twins, slot, identity, begin, asked, many, out):  # type: ignore[no-untyped-def]
     """Which elements of a leaf, laid out side by side, have no point in common with the elements begin + asked[:many] of `identity`, into rows of out
     (LEAF,LEAF) uint8. Points (a, a, a) and triangles, or edges (a, b, b): the other three comparisons say nothing new."""
     for n in range(many):
         k = begin + asked[n]
         a, b, c = identity[k, 0], identity[k, 1], identity[k, 2]
         for lane in range(np.uint64(out.shape[1])):
-            p, q, r = twins[leaf, 0, lane], twins[leaf, 1, lane], twins[leaf, 2, lane]
+            p, q, r = twins[slot, 0, lane], twins[slot, 1, lane], twins[slot, 2, lane]
             out[n, lane] = (p != a) & (q != a) & (r != a) & (p != b) & (p != c) & (q != b)
 
 
 @row_kernel
-def _not_apart(shapes, leaf, own, asked, many, limit, out):  # type: ignore[no-untyped-def]
+def _not_apart(shapes, slot, own, asked, many, limit, out):  # type: ignore[no-untyped-def]
     """Which triangles or points of a leaf, laid out side by side, are not apart from points or triangles asked[:many] of `own` (LEAF,9), along the line
     through their middles, by more than the root of `limit`; into rows of out (LEAF,LEAF) uint8."""
     for n in range(many):
         k = asked[n]
         a, b, c, d, e, f, g, h, i = own[k, 0], own[k, 1], own[k, 2], own[k, 3], own[k, 4], own[k, 5], own[k, 6], own[k, 7], own[k, 8]
         for lane in range(np.uint64(out.shape[1])):
-            x, y, z = shapes[leaf, 0, lane] - a, shapes[leaf, 1, lane] - b, shapes[leaf, 2, lane] - c
-            p = x * shapes[leaf, 3, lane] + y * shapes[leaf, 4, lane] + z * shapes[leaf, 5, lane]
-            q = x * shapes[leaf, 6, lane] + y * shapes[leaf, 7, lane] + z * shapes[leaf, 8, lane]
+            x, y, z = shapes[slot, 0, lane] - a, shapes[slot, 1, lane] - b, shapes[slot, 2, lane] - c
+            p = x * shapes[slot, 3, lane] + y * shapes[slot, 4, lane] + z * shapes[slot, 5, lane]
+            q = x * shapes[slot, 6, lane] + y * shapes[slot, 7, lane] + z * shapes[slot, 8, lane]
             s, t = x * d + y * e + z * f, x * g + y * h + z * i
             square = x * x + y * y + z * z
             room = square - max(max(-p, -q), p + q) - max(max(s, t), -s - t)
@@ -168,16 +172,16 @@ def _not_apart(shapes, leaf, own, asked, many, limit, out):  # type: ignore[no-u
 
 
 @row_kernel
-def _edges_not_apart(shapes, leaf, own, asked, many, limit, out):  # type: ignore[no-untyped-def]
+def _edges_not_apart(shapes, slot, own, asked, many, limit, out):  # type: ignore[no-untyped-def]
     """Which edges of a leaf, laid out side by side, are not apart from the edges asked[:many] of `own` (LEAF,9) by more than the root of `limit`, along the
     line from the middle of those to the closest point of these; into rows of out (LEAF,LEAF) uint8."""
     for n in range(many):
         k = asked[n]
         a, b, c, d, e, f = own[k, 0], own[k, 1], own[k, 2], own[k, 3], own[k, 4], own[k, 5]
         for lane in range(np.uint64(out.shape[1])):
-            x, y, z = shapes[leaf, 0, lane] - a, shapes[leaf, 1, lane] - b, shapes[leaf, 2, lane] - c
-            u, v, w = shapes[leaf, 3, lane], shapes[leaf, 4, lane], shapes[leaf, 5, lane]
-            t = min(max((x * u + y * v + z * w) * shapes[leaf, 6, lane], -1.0), 1.0)
+            x, y, z = shapes[slot, 0, lane] - a, shapes[slot, 1, lane] - b, shapes[slot, 2, lane] - c
+            u, v, w = shapes[slot, 3, lane], shapes[slot, 4, lane], shapes[slot, 5, lane]
+            t = min(max((x * u + y * v + z * w) * shapes[slot, 6, lane], -1.0), 1.0)
             p, q, r = x - t * u, y - t * v, z - t * w
             room = p * x + q * y + r * z - abs(p * d + q * e + r * f) - abs(p * u + q * v + r * w)
             out[n, lane] = not ((room > 0.0) & (room * room > limit * (p * p + q * q + r * r)))
@@ -227,17 +231,18 @@ def _lowest(met):  # type: ignore[no-untyped-def]
 
 
 @making_kernel
-def _near_of(mine, search, queries, items, spread, positions, rows, found):  # type: ignore[no-untyped-def]
+def _near_of(mine, search, queries, items, boxes, positions, rows, found):  # type: ignore[no-untyped-def]
     (kind, reach), (own, theirs), (leaves, starts) = search, positions, rows
     # By names of their own: here references to arrays are counted wherever a tuple gives one.
     own_nodes, own_twins, item_nodes, order, first = queries.nodes, queries.identity, items.nodes, items.order, items.first
-    boxes, shapes, twins = spread.boxes, spread.shapes, spread.twins
     own_leaves, own_count, item_leaves, item_count = queries.first[1], len(own_nodes), first[1], len(item_nodes)
     top, once, one, edges = len(first) - 2, kind == EDGE_EDGE_ONCE, np.uint64(1), kind in (EDGE_EDGE, EDGE_EDGE_ONCE)
     limit, left, at = _SURE * reach * reach, np.empty(_MOST_LEVELS + 1, dtype=np.uint64), np.empty(_MOST_LEVELS + 1, dtype=np.int64)
     around, corners, own_shapes = np.empty((1, 6)), np.empty((LEAF, 6)), np.empty((LEAF, 9))
     # What is tested, a row for each element that asks, and of those that still do which they are and what they may be near.
     tested, asking, near = np.empty((LEAF, LEAF), dtype=np.uint8), np.empty(LEAF, dtype=np.int64), np.empty(LEAF, dtype=np.uint64)
+    # Leaves that were met lately: neighbours meet the same ones.
+    shapes, twins, laid_out = np.empty((_LATELY, 9, LEAF)), np.empty((_LATELY, 3, LEAF), dtype=np.int32), np.full(_LATELY, -1)
     masks, halves = tested.view(np.uint64).ravel(), tested.view(np.uint32).ravel()
     for n in range(mine[0], mine[1]):
         leaf, start = leaves[n], starts[n]
@@ -280,12 +285,18 @@ def _near_of(mine, search, queries, items, spread, positions, rows, found):  # t
             for k in range(many):
                 asking[k], near[k] = k, _EVERY
             many = _narrow(asking, near, many, masks)
-            _strangers(twins, below, own_twins, begin, asking, many, tested)
+            if many == 0:
+                continue
+            slot = below % _LATELY
+            if laid_out[slot] != below:
+                _lay_out(below, slot, edges, items, theirs, shapes, twins)
+                laid_out[slot] = below
+            _strangers(twins, slot, own_twins, begin, asking, many, tested)
             many = _narrow(asking, near, many, masks)
             if edges:
-                _edges_not_apart(shapes, below, own_shapes, asking, many, limit, tested)
+                _edges_not_apart(shapes, slot, own_shapes, asking, many, limit, tested)
             else:
-                _not_apart(shapes, below, own_shapes, asking, many, limit, tested)
+                _not_apart(shapes, slot, own_shapes, asking, many, limit, tested)
             many = _narrow(asking, near, many, masks)
             for i in range(many):
                 k, inside = asking[i], near[i]
@@ -301,11 +312,11 @@ def _near_of(mine, search, queries, items, spread, positions, rows, found):  # t
 
 @entry
 @parallel_kernel
-def _near(kind, reach, queries, items, spread, positions, leaves, starts, found):  # type: ignore[no-untyped-def]
+def _near(kind, reach, queries, items, boxes, positions, leaves, starts, found):  # type: ignore[no-untyped-def]
     """For each query element of these leaves (L,), by their places from the row starts[n] on, the items within reach, rising: found (R,1+K), first their
     number. A number above K says that it overflowed."""
     for chunk in prange(CHUNKS):
-        _near_of(chunk_range(chunk, len(leaves)), (kind, reach), queries, items, spread, positions, (leaves, starts), found)
+        _near_of(chunk_range(chunk, len(leaves)), (kind, reach), queries, items, boxes, positions, (leaves, starts), found)
 
 
 @entry
@@ -347,18 +358,18 @@ def near_pairs(kind: int, reach: float, queries: Blocks, items: Blocks, position
     kind: POINT_TRIANGLE, TRIANGLE_POINT (queries are named first), EDGE_EDGE, or EDGE_EDGE_ONCE for edges among themselves, each pair once; positions: (P,3) of
     the queries' nodes and of the items' nodes, m, as is reach.
     """
-    count, leaves, there, parts = len(queries.order), int(queries.first[1]), int(items.first[1]), []
+    count, leaves, parts = len(queries.order), int(queries.first[1]), []
     if not count or not len(items.order):
         return np.empty((0, 2), dtype=np.int32)
-    spread = _Spread(np.empty(items.first[-1] * 6 * LEAF, dtype=np.float32), np.empty((there, 9, LEAF)), np.empty((there, 3, LEAF), dtype=np.int32))
-    _spread_out(kind in (EDGE_EDGE, EDGE_EDGE_ONCE), items, positions[1], spread)
+    boxes = np.empty(items.first[-1] * 6 * LEAF, dtype=np.float32)
+    _box(items, positions[1], boxes)
     bounds, counts = np.arange(leaves + 1) * count // leaves, np.zeros(count, dtype=np.int64)
     for begin in range(0, leaves, _LEAVES):
         chosen, width = np.arange(begin, min(begin + _LEAVES, leaves)), _WIDTH
         while len(chosen):
             starts = np.append(0, np.cumsum(bounds[chosen + 1] - bounds[chosen]))
             found = np.empty((starts[-1], 1 + width), dtype=np.int32)
-            _near(kind, reach, queries, items, spread, positions, chosen, starts, found)
+            _near(kind, reach, queries, items, boxes, positions, chosen, starts, found)
             again = np.empty_like(chosen)
             many, width = _tally(chosen, bounds, queries.order, found, counts, again)
             parts.append((chosen, found))
