@@ -91,11 +91,22 @@ def test_stiffness_of_a_strip_with_friction(held: float) -> None:
     assert bending_from_overhang(slid_ratio(held) * c, 1.962, held * 1e-5 / c) == pytest.approx(1e-5, rel=5e-4)
 
 
-def test_friction_that_holds_the_strip_level_is_refused() -> None:
-    """The weight of a strip of 40 mm and 2 N/m2 turns its edge by 1.6 mN at most."""
-    assert bending_from_overhang(0.04, 2.0, 1.5e-3) > 0.0
-    with pytest.raises(ValueError, match="level"):
-        bending_from_overhang(0.04, 2.0, 1.6e-3)
+def test_friction_that_nowhere_gives_way_is_refused() -> None:
+    """Then a strip is elastic with 16 B, whose edge bears M = 16 B theta'; the stick springs have 15/16 of it. Just below, B is all but a sixteenth of what
+    is read without friction."""
+    out, weight = 0.04, 2.0
+    elastic = weight * (out / overhang_ratio()) ** 3
+    path = solve_bvp(
+        lambda t, y: np.vstack((y[1], -(overhang_ratio() ** 3) * (1.0 - t) * np.cos(y[0]))),
+        lambda a, b: np.array((a[0], b[1])),
+        np.linspace(0.0, 1.0, 201),
+        np.vstack((np.linspace(0.0, 0.5, 201), np.full(201, 0.5))),
+        tol=1e-9,
+    )
+    most = 15.0 / 16.0 * elastic * float(path.sol(0.0)[1]) / out
+    assert bending_from_overhang(out, weight, 0.999 * most) == pytest.approx(elastic / 16.0, rel=0.01)
+    with pytest.raises(ValueError, match="nowhere gives way"):
+        bending_from_overhang(out, weight, 1.001 * most)
 
 
 def test_standard_angle_is_two_bending_lengths() -> None:

@@ -110,7 +110,7 @@ BAD = [
     ({"EB5": 0.55, "E5.warp": 0.9, "E5.weft": 0.9, "E100.warp": 4.0, "E100.weft": 4.0}, "EB5", "no more than its yarns give"),
     ({"EB5": 0.0}, "EB5", "impossible"),
     ({"W": 20.0, "C.warp": 150.0}, "C.warp", "impossible for bending length"),
-    ({"W": 20.0, "C.warp": 15.0, "2HB.warp": 0.2}, "C.warp", "2HB = 0.2 gf.cm/cm alone holds a strip of 20 mg/cm2 level at an overhang of 30 mm"),
+    ({"W": 20.0, "C.warp": 15.0, "2HB.warp": 0.2}, "C.warp", "2HB = 0.2 gf.cm/cm alone bears a strip of 20 mg/cm2 at an overhang of 30 mm"),
 ]
 
 

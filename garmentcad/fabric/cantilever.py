@@ -28,6 +28,7 @@ STANDARD_CHORD_DEG = 41.5
 _PIECE = 0.04  # c that is slid out at a time: overhangs right to 2e-4
 _SAME_BEND = 1e-9  # 1/c: corrections of a curvature that end the search
 _MOST_CORRECTIONS = 500
+_EDGE_MOMENT = 0.4001  # at the edge of an elastic strip at the standard angle, in W g L^2
 _RATIOS = (1.9, 5.1)  # between which all overhangs with friction lie, in c: 1.954 at H c/B = 0.11; stick springs alone bear 5.04
 
 
@@ -56,12 +57,12 @@ def slid_ratio(held: float) -> float:
 def bending_from_overhang(overhang_m: float, weight_n_m2: float, friction_n: float = 0.0) -> float:
     """B [N.m] of a strip of weight per area `weight_n_m2` whose overhang [m] reaches 41.5 degrees. friction_n: H = 2HB/2 of its internal friction [N].
 
-    ValueError where friction alone would hold the strip level.
+    ValueError where friction would nowhere give way: only its stick springs, an estimate, would bend then, and B is not in the reading.
     """
     if friction_n == 0.0:
         return weight_n_m2 * (overhang_m / overhang_ratio()) ** 3
-    if friction_n >= 0.5 * weight_n_m2 * overhang_m**2:
-        raise ValueError(f"{friction_n:g} N hold a strip of {overhang_m:g} m and {weight_n_m2:g} N/m2 level")
+    if friction_n >= STICK / (1.0 + STICK) * _EDGE_MOMENT * weight_n_m2 * overhang_m**2:
+        raise ValueError(f"a friction of {friction_n:g} N nowhere gives way in a strip of {overhang_m:g} m and {weight_n_m2:g} N/m2")
 
     def longer(length: float) -> float:
         return length * slid_ratio(friction_n / (weight_n_m2 * length**2)) - overhang_m

@@ -144,8 +144,8 @@ def _bending(name: str, overhang_mm: float, way: str, values: Mapping[str, float
         try:
             return bending_from_overhang(length_mm * MM_TO_M, share * weight, holds) / GF_CM2_CM_TO_N_M
         except ValueError:
-            came = f"2HB = {hysteresis:g} gf.cm/cm alone holds a strip of {values['W']:g} mg/cm2 level at an overhang of {overhang_mm:g} mm"
-            raise FabricError(f"{came}, where it hung down to 41.5 degrees; correct either", key=f"{name}.{way}") from None
+            came = f"2HB = {hysteresis:g} gf.cm/cm alone bears a strip of {values['W']:g} mg/cm2 at an overhang of {overhang_mm:g} mm"
+            raise FabricError(f"{came}, so that it says nothing of B; correct either", key=f"{name}.{way}") from None
 
     low, high = (stiffness(overhang_mm + s * LENGTH_READING, 1.0 + s * WEIGHT_READING) for s in (-1.0, 1.0))
     friction = f"2HB = {hysteresis:.4g} gf.cm/cm taken out" if hysteresis_of else "friction not taken out, 2HB is not given"

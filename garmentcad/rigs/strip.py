@@ -68,7 +68,7 @@ def standard_overhang(materials: MaterialTable, angle_deg: float = 0.0) -> float
     given = np.column_stack([strip.rest[:, 0], np.zeros(len(along)), along])
     edges = MM_TO_M * length_mm - spacing * np.arange(1, slides + 1)
     last_rows = [np.flatnonzero(np.abs(along - edge) <= _INSIDE * spacing) for edge in edges]
-    strip.hold(*last_rows)
+    strip.hold(*last_rows)  # each of them is the clamp's edge once
     positions, angles = given, [0.0]
     for edge in edges:
         held_by_clamp = np.flatnonzero(along <= edge + _INSIDE * spacing)
