@@ -62,6 +62,21 @@ def test_near_pairs_equal_brute_force(kind: int, count: int, far_m: float, monke
         assert [tuple(pair) for pair in pairs.tolist()] == brute(kind, reach, queries, items, moved, moved)
 
 
+def test_an_edge_that_meets_a_thousand_leaves() -> None:
+    """Three edges across 5,000 short ones, in one leaf that meets nearly all of 1,024: more than stay laid out."""
+    rng = np.random.default_rng(11)
+    starts = rng.uniform(0, 1, (5000, 3))
+    positions = np.concatenate([starts, starts + rng.normal(0, 0.01, starts.shape), [[0, 0, 0], [0, 1, 0], [1, 0, 0]], [[1, 1, 1], [1, 0, 1], [0, 1, 1]]])
+    identity = np.arange(len(positions))
+    long = elements(np.array([[10000, 10003], [10001, 10004], [10002, 10005]]), identity)
+    short = elements(np.stack([np.arange(5000), 5000 + np.arange(5000)], axis=1), identity)
+    reach = 0.03
+    blocks = [blocks_over(part, positions[part.nodes].mean(axis=1)) for part in (long, short)]
+    found = brute(EDGE_EDGE, reach, long, short, positions, positions)
+    assert len(found) > 50
+    assert [tuple(pair) for pair in near_pairs(EDGE_EDGE, reach, *blocks, (positions, positions)).tolist()] == found
+
+
 def test_edges_among_themselves_are_found_through_all_levels() -> None:
     """5,000 short edges: 1,024 leaves in 128, 16, 2 and 1 blocks."""
     rng = np.random.default_rng(7)
