@@ -21,7 +21,7 @@ import numpy as np
 from garmentcad.arrays import kernel, row_kernel
 from garmentcad.cloth.cloth import WARP, Cells, Cloth
 from garmentcad.forces.force import NO_PARTICLE
-from garmentcad.forces.rows import LatticeSlots
+from garmentcad.forces.rows import LatticeSlots, ends
 from garmentcad.geometry.vectors import picked
 
 NEIGHBOURS = 8  # of a cell along its rows and columns
@@ -62,12 +62,16 @@ limited_arc = kernel(limited)
 
 
 @row_kernel
-def gather_corners(span, pull, total):  # type: ignore[no-untyped-def]
-    """Sum over the four cells around each slot of what stands at their corners 00, pull (3,R), into total (3,R); span: first slot in the room, slots to the
-    warp neighbour, number of slots. Four times that less the sum of those of its neighbours is what arcs push a slot by: bow is four such differences."""
-    first, up, count = span
+def gather_corners(span, origin, pull, total):  # type: ignore[no-untyped-def]
+    """Sum over the four cells around each slot of what stands at their corners 00, pull (3,R), into total (3,R); span: runs of slots (`Blocks.runs`), slots to
+    the warp neighbour; origin: slot at which the room begins. Four times that less the sum of those of its neighbours is what arcs push a slot by: bow is
+    four such differences."""
+    runs, up = span
+    first = runs[0, 0] - origin
     for axis in range(3):
         c00, c10, c11, c01 = pull[axis, first:], pull[axis, first - 1 :], pull[axis, first - up - 1 :], pull[axis, first - up :]
         into = total[axis, first:]
-        for i in range(np.uint64(count)):
-            into[i] = (c00[i] + c10[i]) + (c11[i] + c01[i])
+        for run in range(len(runs)):
+            begin, end = ends(runs, run)
+            for i in range(begin, end):
+                into[i] = (c00[i] + c10[i]) + (c11[i] + c01[i])

@@ -30,7 +30,7 @@ from garmentcad.fabric.internal_friction import dragged
 from garmentcad.fabric.law_bending import STICK
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.force import CURVES, NO_PARTICLE, Gauge, OneLaw
-from garmentcad.forces.rows import PART, LatticeSlots
+from garmentcad.forces.rows import PART, LatticeSlots, ends
 from garmentcad.geometry.angle import angle_over_sine, arctan2
 from garmentcad.geometry.vectors import dots, lengths, picked
 
@@ -113,15 +113,16 @@ def line_bound(ax, ay, az, bx, by, bz, rest, stiffness, way):  # type: ignore[no
 
 @row_kernel
 def bend_row(span, origin, bends, spacing, motion, lines, pull, held):  # type: ignore[no-untyped-def]
-    """Weft and warp lines whose arms are the links before and behind their centres; span: first centre in the room, slots to the warp neighbour, number of
-    centres; origin: slot at which the room begins.
+    """Weft and warp lines whose arms are the links before and behind their centres; span: runs of centres (`Blocks.runs`), slots to the warp
+    neighbour; origin: slot at which the room begins.
 
     bends (4,S): B w/l and d l of weft lines and of warp lines; motion (7,R): places, velocities, 1 where a slot holds a particle; lines (8,R): what
     `stretch_row` wrote for the weft and the warp. The force on the first end of the link behind each centre is added to rows 0 to 2 (weft) and 6 to 8 (warp)
     of pull (12,R), that on the first end of the link before it goes into rows 3 to 5 and 9 to 11, all at the centre.
     held: sliders (2,S) before, (2,R) after, energy lost (R,) [J], added to.
     """
-    first, up, count = span
+    runs, up = span
+    first = runs[0, 0] - origin
     before, after, lost = held
     here, west, east, south, north = origin + first, first - 1, first + 1, first - up, first + up
     x0, y0, z0 = motion[0, first:], motion[1, first:], motion[2, first:]
@@ -138,23 +139,25 @@ def bend_row(span, origin, bends, spacing, motion, lines, pull, held):  # type: 
     weft, weft_way, warp, warp_way = bends[0, here:], bends[1, here:], bends[2, here:], bends[3, here:]
     weft_slider, warp_slider, weft_after, warp_after, gone = before[0, here:], before[1, here:], after[0, first:], after[1, first:], lost[first:]
     least = LEAST_NORMAL * spacing * spacing
-    for i in range(np.uint64(count)):
-        x, y, z, e, w, n, s = x0[i], y0[i], z0[i], is_e[i], is_w[i], is_n[i], is_s[i]
-        px, py, pz = e * (xe[i] - x) + w * (x - xw[i]), e * (ye[i] - y) + w * (y - yw[i]), e * (ze[i] - z) + w * (z - zw[i])
-        qx, qy, qz = n * (xn[i] - x) + s * (x - xs[i]), n * (yn[i] - y) + s * (y - ys[i]), n * (zn[i] - z) + s * (z - zs[i])
-        nx, ny, nz, inverse = unit_normal(px, py, pz, qx, qy, qz, least)
-        au, av, aw, bu, bv, bw, tx, ty, tz, weft_after[i], weft_lost = line_forces(
-            axs[i], ays[i], azs[i], bxs[i], bys[i], bzs[i], inverse_a[i], inverse_b[i], nx, ny, nz, weft[i], weft_way[i], weft_slider[i]
-        )  # fmt: skip
-        cu, cv, cw, du, dv, dw, ux, uy, uz, warp_after[i], warp_lost = line_forces(
-            cxs[i], cys[i], czs[i], dxs[i], dys[i], dzs[i], inverse_c[i], inverse_d[i], nx, ny, nz, warp[i], warp_way[i], warp_slider[i]
-        )  # fmt: skip
-        gone[i] += weft_lost + warp_lost
-        fx, fy, fz, gx, gy, gz = tilt_forces(tx + ux, ty + uy, tz + uz, nx, ny, nz, inverse, px, py, pz, qx, qy, qz)
-        weft_x[i], weft_y[i], weft_z[i] = weft_x[i] + (bu + e * fx), weft_y[i] + (bv + e * fy), weft_z[i] + (bw + e * fz)
-        weft_u[i], weft_v[i], weft_w[i] = au + w * fx, av + w * fy, aw + w * fz
-        warp_x[i], warp_y[i], warp_z[i] = warp_x[i] + (du + n * gx), warp_y[i] + (dv + n * gy), warp_z[i] + (dw + n * gz)
-        warp_u[i], warp_v[i], warp_w[i] = cu + s * gx, cv + s * gy, cw + s * gz
+    for run in range(len(runs)):
+        begin, end = ends(runs, run)
+        for i in range(begin, end):
+            x, y, z, e, w, n, s = x0[i], y0[i], z0[i], is_e[i], is_w[i], is_n[i], is_s[i]
+            px, py, pz = e * (xe[i] - x) + w * (x - xw[i]), e * (ye[i] - y) + w * (y - yw[i]), e * (ze[i] - z) + w * (z - zw[i])
+            qx, qy, qz = n * (xn[i] - x) + s * (x - xs[i]), n * (yn[i] - y) + s * (y - ys[i]), n * (zn[i] - z) + s * (z - zs[i])
+            nx, ny, nz, inverse = unit_normal(px, py, pz, qx, qy, qz, least)
+            au, av, aw, bu, bv, bw, tx, ty, tz, weft_after[i], weft_lost = line_forces(
+                axs[i], ays[i], azs[i], bxs[i], bys[i], bzs[i], inverse_a[i], inverse_b[i], nx, ny, nz, weft[i], weft_way[i], weft_slider[i]
+            )  # fmt: skip
+            cu, cv, cw, du, dv, dw, ux, uy, uz, warp_after[i], warp_lost = line_forces(
+                cxs[i], cys[i], czs[i], dxs[i], dys[i], dzs[i], inverse_c[i], inverse_d[i], nx, ny, nz, warp[i], warp_way[i], warp_slider[i]
+            )  # fmt: skip
+            gone[i] += weft_lost + warp_lost
+            fx, fy, fz, gx, gy, gz = tilt_forces(tx + ux, ty + uy, tz + uz, nx, ny, nz, inverse, px, py, pz, qx, qy, qz)
+            weft_x[i], weft_y[i], weft_z[i] = weft_x[i] + (bu + e * fx), weft_y[i] + (bv + e * fy), weft_z[i] + (bw + e * fz)
+            weft_u[i], weft_v[i], weft_w[i] = au + w * fx, av + w * fy, aw + w * fz
+            warp_x[i], warp_y[i], warp_z[i] = warp_x[i] + (du + n * gx), warp_y[i] + (dv + n * gy), warp_z[i] + (dw + n * gz)
+            warp_u[i], warp_v[i], warp_w[i] = cu + s * gx, cv + s * gy, cw + s * gz
 
 
 @row_kernel

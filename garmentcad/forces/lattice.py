@@ -12,12 +12,13 @@ from numba import prange
 from garmentcad.arrays import entry, floats, indices, kernel, long_kernel, parallel_kernel, row_kernel
 from garmentcad.cloth.cloth import WEFT, BendLines, Cells, Cloth, Links
 from garmentcad.fabric.material import MaterialTable
+from garmentcad.forces import rows
 from garmentcad.forces.arcs import cell_neighbours, gather_corners
 from garmentcad.forces.bend import ForceBend, across_lines, bend_row
 from garmentcad.forces.cell import cell_row
 from garmentcad.forces.force import NO_PARTICLE, Gauge
 from garmentcad.forces.lattice_bound import bound_block
-from garmentcad.forces.rows import LANES, NEVER, LatticeSlots, aligned_zeros, load_motion
+from garmentcad.forces.rows import LANES, NEVER, LatticeSlots, aligned_zeros, ends, load_motion, runs_of
 from garmentcad.forces.shear import LawShear
 from garmentcad.forces.stretch import COEFFICIENTS, LawStretch, stretch_row
 from garmentcad.forces.twist import LawTwist
@@ -38,9 +39,10 @@ _SUMS = 8  # partial sums of what a block loses, so that the additions need not 
 
 
 @row_kernel
-def _sum(span, room, total):  # type: ignore[no-untyped-def]
-    """Total of each slot into total (3+,R); span: first slot in the room, slots to the warp neighbour, number of slots."""
-    first, up, count = span
+def _sum(span, origin, room, total):  # type: ignore[no-untyped-def]
+    """Total of each slot into total (3+,R); span: runs of slots (`Blocks.runs`), slots to the warp neighbour; origin: slot at which the room begins."""
+    runs, up = span
+    first = runs[0, 0] - origin
     for axis in range(3):
         weft, weft_before = room[_WEFT + axis, first:], room[_WEFT + axis, first - 1 :]
         turn, turn_behind = room[_WEFT + 3 + axis, first:], room[_WEFT + 3 + axis, first + 1 :]
@@ -53,11 +55,13 @@ def _sum(span, room, total):  # type: ignore[no-untyped-def]
         arcs, east, west = room[_ARCS + axis, first:], room[_ARCS + axis, first + 1 :], room[_ARCS + axis, first - 1 :]
         north, south = room[_ARCS + axis, first + up :], room[_ARCS + axis, first - up :]
         into = total[axis, first:]
-        for i in range(np.uint64(count)):
-            around = ((east[i] + west[i]) + (north[i] + south[i])) - 4.0 * arcs[i]
-            along_weft = (weft[i] - weft_before[i]) + (turn_behind[i] - turn[i])
-            along_warp = (warp[i] - warp_before[i]) + (warp_turn_behind[i] - warp_turn[i])
-            into[i] = (along_weft + along_warp) + (((c00[i] + c10[i]) + (c11[i] + c01[i])) - around)
+        for run in range(len(runs)):
+            begin, end = ends(runs, run)
+            for i in range(begin, end):
+                around = ((east[i] + west[i]) + (north[i] + south[i])) - 4.0 * arcs[i]
+                along_weft = (weft[i] - weft_before[i]) + (turn_behind[i] - turn[i])
+                along_warp = (warp[i] - warp_before[i]) + (warp_turn_behind[i] - warp_turn[i])
+                into[i] = (along_weft + along_warp) + (((c00[i] + c10[i]) + (c11[i] + c01[i])) - around)
 
 
 @row_kernel
@@ -94,43 +98,35 @@ def _total(first, count, lost):  # type: ignore[no-untyped-def]
 @long_kernel
 def lattice_block(k, blocks, fabric, setting, positions, velocities, rooms, out):  # type: ignore[no-untyped-def]
     """One block; fabric: coefficients (19,S), sliders (6,S). It reads sliders of the rows around it, which another thread may be moving: a slider that was
-    moved for these positions is not moved again, so that it does not matter. Returns the energy lost [J]."""
+    moved for these positions is not moved again, so that it does not matter. Returns the energy lost [J].
+
+    What the runs of a loop leave out holds in the room what another block or step left there; so it does in the few slots that they go over besides."""
     coefficients, sliders = fabric
     room = rooms[numba.get_thread_id()]
-    first, size, up = np.int64(blocks.first[k]), np.int64(blocks.size[k]), np.int64(blocks.columns[k])
-    h = setting[0]
+    first, up = np.int64(blocks.first[k]), np.int64(blocks.columns[k])
     # slots from here on lie in the room: the cells two rows below and one above need a row more at either end
     origin = (first - 3 * up - LANES) // LANES * LANES
     motion, lines, pull, after, lost = room[_MOTION:_LINES], room[_LINES:_WEFT], room[_WEFT:_AFTER], room[_AFTER:_LOST], room[_LOST]
     lost[:] = 0.0
-    load_motion((origin, first + size + 3 * up + 1 - origin), blocks.particle, positions, velocities, motion)
-    # from the last multiple of LANES before the first element that is needed to the first one behind the last
-    last = first + size + up - 1
-    begin = (first - up - 1) // LANES * LANES
-    count = (last + LANES - begin) // LANES * LANES
+    load_motion(runs_of(blocks, k, rows.LOAD), origin, blocks.particle, positions, velocities, motion)
     held = sliders[_S_WEFT], after[_S_WEFT], lost
-    stretch_row((begin - origin, 1, count), origin, coefficients[_C_WEFT:_C_WARP], setting, motion, lines, pull, held)
-    begin = (first - 2 * up) // LANES * LANES
-    count = (last + LANES - begin) // LANES * LANES
+    stretch_row((runs_of(blocks, k, rows.WEFT_LINKS), 1), origin, coefficients[_C_WEFT:_C_WARP], setting, motion, lines, pull, held)
     held = sliders[_S_WARP], after[_S_WARP], lost
-    stretch_row((begin - origin, up, count), origin, coefficients[_C_WARP:_C_CELL], setting, motion, lines[4:], pull[6:], held)
-    begin = (first - up) // LANES * LANES
-    count = (last + LANES - begin) // LANES * LANES
+    stretch_row((runs_of(blocks, k, rows.WARP_LINKS), up), origin, coefficients[_C_WARP:_C_CELL], setting, motion, lines[4:], pull[6:], held)
     bends = sliders[_S_BEND:], after[_S_BEND:], lost
-    bend_row((begin - origin, up, count), origin, coefficients[_C_BEND:], h, motion, lines, pull, bends)
-    begin = (first - 2 * up - 1) // LANES * LANES
-    count = (last + LANES - begin) // LANES * LANES
+    bend_row((runs_of(blocks, k, rows.LINES), up), origin, coefficients[_C_BEND:], setting[0], motion, lines, pull, bends)
+    span = runs_of(blocks, k, rows.CELLS), up
     corners = room[_CELL : _CELL + 3], room[_CELL + 3 : _CELL + 6], room[_CELL + 6 : _CELL + 9], room[_CELL + 9 : _CELL + 12], room[_CELL + 12 : _WEFT]
-    cell_row((begin - origin, up, count), origin, coefficients[_C_CELL:], setting, motion, *corners, sliders[_S_CELL:], after[_S_CELL:], lost)
-    begin = (first - up) // LANES * LANES
-    count = (last + LANES - begin) // LANES * LANES
-    gather_corners((begin - origin, up, count), room[_CELL + 12 : _WEFT], motion[_ARCS:])
-    begin = first // LANES * LANES
-    count = (first + size - 1 + LANES - begin) // LANES * LANES
-    _sum((begin - origin, up, count), room, motion)
-    _store(first - origin, size, motion, out.reshape(-1)[3 * first :])
-    _keep(first - origin, size, after, sliders[:, first:])
-    return _total(first - origin, size, lost)
+    cell_row(span, origin, coefficients[_C_CELL:], setting, motion, *corners, sliders[_S_CELL:], after[_S_CELL:], lost)
+    gather_corners((runs_of(blocks, k, rows.ARCS), up), origin, room[_CELL + 12 : _WEFT], motion[_ARCS:])
+    _sum((runs_of(blocks, k, rows.SUMS), up), origin, room, motion)
+    kept, total = runs_of(blocks, k, rows.KEPT), 0.0
+    for r in range(len(kept)):
+        begin, count = np.int64(kept[r, 0]), np.int64(kept[r, 1] - kept[r, 0])
+        _store(begin - origin, count, motion, out.reshape(-1)[3 * begin :])
+        _keep(begin - origin, count, after, sliders[:, begin:])
+        total += _total(begin - origin, count, lost)
+    return total
 
 
 @entry

@@ -13,7 +13,7 @@ import numpy as np
 
 from garmentcad.arrays import kernel, long_kernel
 from garmentcad.forces.bend import line_bound
-from garmentcad.forces.rows import LANES, load_motion
+from garmentcad.forces.rows import LANES, LOAD, load_motion, runs_of
 from garmentcad.forces.shear import SHORTEST, shear_bounds
 from garmentcad.forces.stretch import tension_bound
 from garmentcad.forces.twist import twist_bound
@@ -86,8 +86,8 @@ def bound_block(k, blocks, links, cells, bends, spacing, whole, positions, rooms
     whole: of all laws, not only of twist and bending; rooms (threads,18+,R): scratch of each thread."""
     room = rooms[numba.get_thread_id()]
     first, size, up = np.int64(blocks.first[k]), np.int64(blocks.size[k]), np.int64(blocks.columns[k])
-    origin = first - 3 * up - LANES
-    load_motion((origin, first + size + 3 * up + 1 - origin), blocks.particle, positions, positions, room)
+    origin = (first - 3 * up - LANES) // LANES * LANES
+    load_motion(runs_of(blocks, k, LOAD), origin, blocks.particle, positions, positions, room)
     begin, end, half = first - origin, first - origin + size, len(links) // 2
     if whole:
         _bound_links(begin - 1, end, 1, origin, links[:half], spacing, room, room[_WEFT])

@@ -2,7 +2,8 @@
 
 Every panel's lattice fills a rectangle of slots, row after row, with an empty slot at the end of each row and empty rows below and above. Slot i has its
 weft neighbour at i + 1 and its warp neighbour at i + columns. Every slot carries every element (weft link i to i + 1, warp link, cell to the upper right,
-weft and warp bend line centred at i); where an element does not exist, as at the end of a row, its coefficients are 0. So loops run on over row breaks.
+weft and warp bend line centred at i); where an element does not exist, as at the end of a row, its coefficients are 0. So loops run on over row breaks, and
+leave out only what lies far from any particle.
 Blocks of rows are computed each by itself, elements first, then each slot adds up what concerns it, in one fixed order; elements between two blocks are
 computed in both. The blocks depend on the cloth alone: the same bits on any number of threads.
 """
@@ -11,11 +12,12 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
 
-from garmentcad.arrays import indices, row_kernel
+from garmentcad.arrays import indices, inlined, inlined_kernel, row_kernel
 from garmentcad.cloth.cloth import WARP, WEFT, BendLines, Cloth
 from garmentcad.forces.force import NO_PARTICLE
 
@@ -40,14 +42,24 @@ def aligned_zeros(*shape: int) -> np.ndarray:
     return memory[start : start + count].reshape(shape)
 
 
+# The loops over a block, in the order of `Blocks.start`: places and velocities are loaded, links, weft and warp, bend lines and cells are computed, their arcs
+# gathered, forces of slots added up; last what is kept of the slots that hold a particle.
+LOAD, WEFT_LINKS, WARP_LINKS, LINES, CELLS, ARCS, SUMS, KEPT, _LOOPS = range(9)
+
+
 class Blocks(NamedTuple):
     """Blocks of whole rows of one panel each. particle: (S,) int32 of each slot, NO_PARTICLE where it is empty; first, size, columns: (K,) int32 first slot
-    and slots of each block, and columns of its panel. Three rows and a few slots more, at either end of a block, are slots too."""
+    and slots of each block, and columns of its panel. Three rows and a few slots more, at either end of a block, are slots too.
+
+    runs (N,2) int32: first slot, and first behind the last one, of each loop over each block: loop j of block k goes over runs start[k, j] to
+    start[k, j + 1] - 1. All but those of KEPT begin and end at multiples of LANES. What they leave out nothing reads that counts."""
 
     particle: np.ndarray
     first: np.ndarray
     size: np.ndarray
     columns: np.ndarray
+    runs: np.ndarray
+    start: np.ndarray
 
 
 class LatticeSlots:
@@ -67,7 +79,8 @@ class LatticeSlots:
             slot[mine] = start + place[mine, 1] * width + place[mine, 0]
             pairs = round(0.5 * width * height / max(BLOCK, BLOCK_ROWS * width))  # an even number: two threads share a panel
             rows = np.linspace(0, height, min(max(1, 2 * pairs), height) + 1).astype(np.int64)
-            table += [(start + a * width, (b - a) * width, width) for a, b in itertools.pairwise(rows)]
+            held = np.bincount(place[mine, 1], minlength=height)
+            table += [(start + a * width, (b - a) * width, width) for a, b in itertools.pairwise(rows) if held[a:b].any()]
             end = start + height * width + width + 1
         widest = max((width for _, _, width in table), default=0)
         self.count = padded(end + 2 * widest + 2 * LANES)
@@ -76,7 +89,12 @@ class LatticeSlots:
         self.slot[particle] = slot
         occupant = np.full(self.count, NO_PARTICLE)
         occupant[slot] = particle
-        self.blocks = Blocks(indices(occupant), *(indices(column) for column in np.array(table, dtype=np.int64).reshape(-1, 3).T))
+        blocks = np.array(table, dtype=np.int64).reshape(-1, 3)
+        of_loops = [runs for block in blocks for runs in _runs_of(occupant != NO_PARTICLE, *block)]
+        start = np.cumsum([0, *map(len, of_loops)])
+        start = np.column_stack([start[:-1].reshape(-1, _LOOPS), start[_LOOPS::_LOOPS]])
+        runs = np.vstack([np.zeros((0, 2), dtype=np.int64), *of_loops])
+        self.blocks = Blocks(indices(occupant), indices(blocks[:, 0]), indices(blocks[:, 1]), indices(blocks[:, 2]), indices(runs), indices(start))
         self.room = padded(max((size + 6 * width for _, size, width in table), default=0) + 5 * LANES)
         self._columns = np.zeros(self.count, dtype=np.int64)
         for begin, size, width in table:
@@ -110,15 +128,56 @@ class LatticeSlots:
         return found
 
 
+def _runs_of(occupied: np.ndarray, first: int, size: int, up: int) -> list[np.ndarray]:
+    """Runs (N,2) of each loop over a block: what the slots of its particles add up, what that is made of, and so on. occupied (S,) bool."""
+    # the slots that lie in the room, and a few more at its end
+    low, high = (first - 3 * up - LANES) // LANES * LANES, -(-(first + size + 3 * up + LANES) // LANES) * LANES
+    own = np.zeros(high - low, dtype=bool)
+    own[first - low : first - low + size] = occupied[first : first + size]
+    cross = (0, 1, -1, up, -up)
+    lines = arcs = _reached(own, cross)
+    cells = _reached(arcs, (0, -1, -up, -up - 1))
+    load = _reached(cells, [column + row * up for column in (-1, 0, 1, 2) for row in (-1, 0, 1, 2)])
+    loops = [load, _reached(lines, (0, -1)), _reached(lines, (0, -up)), lines, cells, arcs, own]
+    in_registers = [np.asarray(loop.reshape(-1, LANES).any(axis=1)) for loop in loops]
+    return [low + runs for runs in (*(LANES * _runs(wanted) for wanted in in_registers), _runs(own))]
+
+
+def _reached(wanted: np.ndarray, steps: Iterable[int]) -> np.ndarray:
+    """(N,) bool: what lies so many steps from something wanted (N,)."""
+    found, places = np.zeros_like(wanted), np.flatnonzero(wanted)
+    for step in steps:
+        found[places + step] = True
+    return found
+
+
+def _runs(wanted: np.ndarray) -> np.ndarray:
+    """First place, and first behind the last one, (N,2) of runs of what is wanted (N,) bool."""
+    return np.flatnonzero(np.diff(wanted, prepend=False, append=False)).reshape(-1, 2)
+
+
+@inlined
+def runs_of(blocks, k, loop):  # type: ignore[no-untyped-def]
+    """Runs (N,2) of a loop over block k."""
+    return blocks.runs[blocks.start[k, loop] : blocks.start[k, loop + 1]]
+
+
+@inlined_kernel
+def ends(runs, run):  # type: ignore[no-untyped-def]
+    """Of a run the first slot, and the first behind the last one, counted from the first of all."""
+    return np.uint64(runs[run, 0] - runs[0, 0]), np.uint64(runs[run, 1] - runs[0, 0])
+
+
 @row_kernel
-def load_motion(span, particle, positions, velocities, motion):  # type: ignore[no-untyped-def]
-    """Places and velocities of the slots and 1 into motion (7,R), 0 where a slot is empty; span: first slot, number of slots."""
-    first, count = span
+def load_motion(runs, origin, particle, positions, velocities, motion):  # type: ignore[no-untyped-def]
+    """Places and velocities of slots and 1 into motion (7,R), 0 where a slot is empty; runs: of slots (`Blocks.runs`); origin: slot at which the room
+    begins."""
     x, y, z, u, v, w, present = motion[0], motion[1], motion[2], motion[3], motion[4], motion[5], motion[6]
-    for i in range(count):
-        p = particle[first + i]
-        if p >= 0:
-            x[i], y[i], z[i], u[i], v[i], w[i] = positions[p, 0], positions[p, 1], positions[p, 2], velocities[p, 0], velocities[p, 1], velocities[p, 2]
-            present[i] = 1.0
-        else:
-            x[i] = y[i] = z[i] = u[i] = v[i] = w[i] = present[i] = 0.0
+    for run in range(len(runs)):
+        for i in range(runs[run, 0] - origin, runs[run, 1] - origin):
+            p = particle[origin + i]
+            if p >= 0:
+                x[i], y[i], z[i], u[i], v[i], w[i] = positions[p, 0], positions[p, 1], positions[p, 2], velocities[p, 0], velocities[p, 1], velocities[p, 2]
+                present[i] = 1.0
+            else:
+                x[i] = y[i] = z[i] = u[i] = v[i] = w[i] = present[i] = 0.0

@@ -20,7 +20,7 @@ from garmentcad.cloth.cloth import WARP, WEFT, Links
 from garmentcad.fabric.internal_friction import dragged
 from garmentcad.fabric.law_tension import WAY
 from garmentcad.fabric.material import MaterialTable
-from garmentcad.forces.rows import LatticeSlots
+from garmentcad.forces.rows import LatticeSlots, ends
 from garmentcad.forces.smooth import expm1_smooth
 from garmentcad.forces.tension_curves import TensionCurves, tension_curves, tension_energy_at
 from garmentcad.geometry.vectors import lengths, picked
@@ -62,12 +62,13 @@ def tension_bound(strain, rate, amplitude, em, stick):  # type: ignore[no-untype
 
 @row_kernel
 def stretch_row(span, origin, links, setting, motion, lines, pull, held):  # type: ignore[no-untyped-def]
-    """Links from each slot to a neighbour; span: first slot in the room, slots to the neighbour, number of links; origin: slot at which the room begins.
+    """Links from each slot to a neighbour; span: runs of slots (`Blocks.runs`), slots to the neighbour; origin: slot at which the room begins.
 
     links (4,S): coefficients; setting: rest length, damping time; motion (6+,R). Into lines (4,R): the direction, shortened where a link is shorter than
     SHORTEST, and 1/length; into pull (3+,R): the force on the first end. held: sliders (S,) before, (R,) after, energy lost (R,) [J].
     """
-    first, step, count = span
+    runs, step = span
+    first = runs[0, 0] - origin
     rest, damping_time = setting
     before, after, lost = held
     second = first + step
@@ -81,18 +82,22 @@ def stretch_row(span, origin, links, setting, motion, lines, pull, held):  # typ
     inverse_rest, shortest = 1.0 / rest, SHORTEST * rest
     damping = damping_time * inverse_rest
     # Two loops, as one would wait for its root and its division (cell.py); strain and rate stand in for the force meanwhile.
-    for i in range(np.uint64(count)):
-        dx, dy, dz = xb[i] - xa[i], yb[i] - ya[i], zb[i] - za[i]
-        length = math.sqrt(dx * dx + dy * dy + dz * dz)
-        inverse = 1.0 / max(length, shortest)
-        dx, dy, dz = dx * inverse, dy * inverse, dz * inverse
-        speed = (ub[i] - ua[i]) * dx + (vb[i] - va[i]) * dy + (wb[i] - wa[i]) * dz
-        ex[i], ey[i], ez[i], inverses[i] = dx, dy, dz, inverse
-        fx[i], fy[i] = length * inverse_rest - 1.0, damping * speed
-    for i in range(np.uint64(count)):
-        force, moved[i], density = tension_force(fx[i], fy[i], slider[i], rate[i], amplitude[i], em[i], stick[i])
-        gone[i] += rest * density
-        fx[i], fy[i], fz[i] = force * ex[i], force * ey[i], force * ez[i]
+    for run in range(len(runs)):
+        begin, end = ends(runs, run)
+        for i in range(begin, end):
+            dx, dy, dz = xb[i] - xa[i], yb[i] - ya[i], zb[i] - za[i]
+            length = math.sqrt(dx * dx + dy * dy + dz * dz)
+            inverse = 1.0 / max(length, shortest)
+            dx, dy, dz = dx * inverse, dy * inverse, dz * inverse
+            speed = (ub[i] - ua[i]) * dx + (vb[i] - va[i]) * dy + (wb[i] - wa[i]) * dz
+            ex[i], ey[i], ez[i], inverses[i] = dx, dy, dz, inverse
+            fx[i], fy[i] = length * inverse_rest - 1.0, damping * speed
+    for run in range(len(runs)):
+        begin, end = ends(runs, run)
+        for i in range(begin, end):
+            force, moved[i], density = tension_force(fx[i], fy[i], slider[i], rate[i], amplitude[i], em[i], stick[i])
+            gone[i] += rest * density
+            fx[i], fy[i], fz[i] = force * ex[i], force * ey[i], force * ez[i]
 
 
 def tension_coefficients(curves: TensionCurves, rows: np.ndarray, width: np.ndarray | float = 1.0) -> np.ndarray:
