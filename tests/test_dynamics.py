@@ -273,13 +273,58 @@ def test_the_speed_cap_holds_against_forces_and_keeps_their_direction() -> None:
     assert (state.velocities[:, 0] > 0.0).all()
 
 
+class _Pulls:
+    """A force whose corners are those of some particles: all that a sum asks for."""
+
+    def __init__(self, name: str, corners: np.ndarray) -> None:
+        self.name, self.corners = name, corners
+
+
+def test_velocities_are_those_of_the_sum_of_all_forces() -> None:
+    """Two forces on 301 particles, the first with a row for each of most of them. Added up by numpy; inertia differs across a direction of each particle."""
+    count, rng = 301, np.random.default_rng(11)
+    own = np.where(rng.random(count) < 0.8, np.arange(count), -1).astype(np.int32)
+    # in two places, as along seams: most particles have one row
+    others = np.concatenate([rng.integers(20, 50, 400), rng.integers(200, 230, 90)]).astype(np.int32)
+    masses, drag, across = 0.5 + rng.random(count), 10.0 * rng.random(count), rng.standard_normal((count, 3))
+    sums = ForceAssembly([_Pulls("lattice", own), _Pulls("border", others)], count, [ForceGravity(masses)]).sums(masses)
+    assert 0 < len(sums.mixed) < 150
+    before, dt, none = rng.standard_normal((count, 3)), 1e-3, np.zeros((count, 3))
+    before[::50] = 0.0
+    corners, used = np.concatenate([own, others]), np.concatenate([own, others]) >= 0
+    for forces in (rng.standard_normal((len(corners), 3)) for _ in range(2)):  # what was added up does not stay there
+        sums.corner_forces[:] = np.where(used[:, None], forces, 0.0)
+        force = np.zeros((count, 3))
+        np.add.at(force, corners[used], forces[used])
+        force[:, 1] -= GRAVITY_M_S2 * masses
+        force += across * (across * force).sum(axis=1)[:, None]
+        inverse = np.where(np.arange(count) % 10 == 0, 0.0, 1.0 / masses)
+        expected = np.where(inverse[:, None] > 0.0, (1.0 - dt * drag[:, None]) * before + dt * inverse[:, None] * force, before)
+        velocities, out = before.copy(), np.zeros((CHUNKS, 2))
+        advance_velocities(sums, (dt, math.inf), (drag, inverse, across), fresh_planes(none, False), np.zeros(count, np.int8), none, velocities, out)
+        assert velocities == pytest.approx(expected, rel=1e-12, abs=1e-15)
+        assert out[:, 0].max() == pytest.approx((expected**2).sum(axis=1).max(), rel=1e-12)
+
+
+@pytest.mark.parametrize("wrong", [math.nan, -math.nan, math.inf, -math.inf])
+def test_a_speed_that_is_no_number_does_not_hide(wrong: float) -> None:
+    forces, out = np.zeros((5, 3)), np.zeros((CHUNKS, 2))
+    forces[3, 1] = wrong
+    none = np.zeros(0, np.int32), np.zeros(CHUNKS + 1, np.int32)
+    sums = Sums(np.arange(6, dtype=np.int32), np.arange(5, dtype=np.int32), *none, forces, np.zeros(5), np.ones(5))
+    places, inertia = np.zeros((5, 3)), (np.zeros(5), np.ones(5), np.zeros((5, 3)))
+    advance_velocities(sums, (1e-3, math.inf), inertia, fresh_planes(places, False), np.zeros(5, np.int8), places, np.zeros((5, 3)), out)
+    assert out[:, 0].max() == math.inf
+
+
 def test_the_cap_leaves_what_presses_on_the_body_and_nothing_else() -> None:
     """Five particles of 1 kg near a floor, steps of 1 ms, cap 1 m/s: pressed where it lies, 3 mm above, and 3 mm above on something between; drawn along and
     down; lifted."""
     forces = np.array([[0.0, -50e3, 0.0], [0.0, -50e3, 0.0], [0.0, -50e3, 0.0], [30e3, -40e3, 0.0], [0.0, 50e3, 0.0]])
     positions, planes = np.zeros((5, 3)), fresh_planes(np.zeros((5, 3)), False)
     planes.held[:], planes.normal[:, 0], planes.room[1:3, 0] = 1, [0.0, 1.0, 0.0], 3e-3
-    sums = Sums(np.arange(6, dtype=np.int32), np.arange(5, dtype=np.int32), forces, np.zeros(5), np.ones(5))
+    none = np.zeros(0, np.int32), np.zeros(CHUNKS + 1, np.int32)
+    sums = Sums(np.arange(6, dtype=np.int32), np.arange(5, dtype=np.int32), *none, forces, np.zeros(5), np.ones(5))
     velocities, out = np.zeros((5, 3)), np.zeros((CHUNKS, 2))
     advance_velocities(sums, (1e-3, 1.0), (np.zeros(5), np.ones(5), np.zeros((5, 3))), planes, np.array([0, 0, 1, 0, 0], np.int8), positions, velocities, out)
     expected = np.array([[0.0, -50.0, 0.0], [0.0, -1.0, 0.0], [0.0, -50.0, 0.0], [1.0, -40.0, 0.0], [0.0, 1.0, 0.0]])

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
-from garmentcad.arrays import entry, indices, parallel_kernel, rows_by_key
+from garmentcad.arrays import CHUNKS, entry, indices, parallel_kernel, rows_by_key
 from garmentcad.forces.force import NO_PARTICLE, BodyForce, Force
 
 
@@ -32,6 +32,8 @@ class Sums(NamedTuple):
 
     starts: np.ndarray  # (P+1,) int32
     slots: np.ndarray  # (K,) int32
+    mixed: np.ndarray  # (M,) int32, rising: particles whose force is not just the row of corner_forces with their number
+    first_mixed: np.ndarray  # (CHUNKS+1,) int32, where those of each part of the particles begin among them
     corner_forces: np.ndarray  # (K,3) N
     weight: np.ndarray  # (P,) N, downward
     masses: np.ndarray  # (P,) kg, true
@@ -52,6 +54,9 @@ class ForceAssembly:
         used = np.flatnonzero(corners != NO_PARTICLE)
         self._starts, rows = rows_by_key(corners[used], particle_count)
         self._slots = indices(used[rows])
+        alone = np.flatnonzero(np.diff(self._starts) == 1)
+        self._mixed = indices(np.setdiff1d(np.arange(particle_count), alone[self._slots[self._starts[alone]] == alone]))
+        self._first_mixed = indices(np.searchsorted(self._mixed, [particle_count * chunk // CHUNKS for chunk in range(CHUNKS + 1)]))
         self._particles, self._used = corners[used], indices(used)
         self._corner_forces = np.zeros((len(corners), 3))
         self._views = [self._corner_forces[part] for part in self._parts]
@@ -85,7 +90,7 @@ class ForceAssembly:
         load = np.zeros((len(masses), 3))
         for force in self.body_forces:
             force.add_forces(load, load, load)
-        return Sums(self._starts, self._slots, self._corner_forces, -load[:, 1], masses)
+        return Sums(self._starts, self._slots, self._mixed, self._first_mixed, self._corner_forces, -load[:, 1], masses)
 
     def energy(self, positions: np.ndarray, sliders: dict[str, np.ndarray] | None = None) -> dict[str, float]:
         """Stored energy [J] by law; a law that acts in several forces is added up."""

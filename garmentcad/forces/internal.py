@@ -115,10 +115,11 @@ def lay_out_parts(forces: tuple[Any, ...]) -> Parts:
     if tuple(force.name for force in forces) not in [(*LAWS, *more) for more in ((), HARDWARE[:1], HARDWARE[1:], HARDWARE)]:
         raise ValueError(f"forces {[force.name for force in forces]}; the stepper knows {list(LAWS)}, in this order, and {list(HARDWARE)} after them")
     blocks = forces[0].arguments[0]
-    pieces = [[slice(first, first + size) for first, size in zip(blocks.first, blocks.size)]]
+    slots = [blocks.particle[first : first + size] for first, size in zip(blocks.first, blocks.size)]
+    pieces = [[particles[particles != NO_PARTICLE] for particles in slots]]
     for force, per_element in zip(forces[1 : len(LAWS)], _PER_ELEMENT[1:]):
         step, end = PART * per_element, len(force.corners)
-        pieces.append([slice(start, min(start + step, end)) for start in range(0, end, step)])
+        pieces.append([np.arange(start, min(start + step, end)) for start in range(0, end, step)])
     sizes, corners = [len(of_law) for of_law in pieces], [force.corners for force in forces[: len(LAWS)]]
     first = np.cumsum([0, *(len(of_force) for of_force in corners)])
     owner = np.zeros(first[-1], dtype=np.int32)
@@ -126,9 +127,8 @@ def lay_out_parts(forces: tuple[Any, ...]) -> Parts:
     place: list[float] = []
     for kind, of_law in enumerate(pieces):
         for piece in of_law:
-            owner[first[kind] + piece.start : first[kind] + piece.stop] = len(work)
-            elements = np.count_nonzero(corners[kind][piece] != NO_PARTICLE) if kind == 0 else (piece.stop - piece.start) / _PER_ELEMENT[kind]
-            work.append(_WORK[kind] * elements)
+            owner[first[kind] + piece] = len(work)
+            work.append(_WORK[kind] * len(piece) / _PER_ELEMENT[kind])
             place.append(_mean_particle(corners[kind][piece]))
     more = {force.name: force for force in forces[len(LAWS) :]}
     bands = more[ForceBand.name].segments.particles.size if ForceBand.name in more else 0

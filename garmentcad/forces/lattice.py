@@ -97,10 +97,11 @@ def _total(first, count, lost):  # type: ignore[no-untyped-def]
 
 @long_kernel
 def lattice_block(k, blocks, fabric, setting, positions, velocities, rooms, out):  # type: ignore[no-untyped-def]
-    """One block; fabric: coefficients (19,S), sliders (6,S). It reads sliders of the rows around it, which another thread may be moving: a slider that was
-    moved for these positions is not moved again, so that it does not matter. Returns the energy lost [J].
+    """One block; fabric: coefficients (19,S), sliders (6,S); out (P,3). Returns the energy lost [J].
 
-    What the runs of a loop leave out holds in the room what another block or step left there; so it does in the few slots that they go over besides."""
+    It reads sliders of the rows around it, which another thread may be moving: a slider that was moved for these positions is not moved again, so that it does
+    not matter. What the runs of a loop leave out holds in the room what another block or step left there; so it does in the few slots that they go over
+    besides."""
     coefficients, sliders = fabric
     room = rooms[numba.get_thread_id()]
     first, up = np.int64(blocks.first[k]), np.int64(blocks.columns[k])
@@ -123,7 +124,7 @@ def lattice_block(k, blocks, fabric, setting, positions, velocities, rooms, out)
     kept, total = runs_of(blocks, k, rows.KEPT), 0.0
     for r in range(len(kept)):
         begin, count = np.int64(kept[r, 0]), np.int64(kept[r, 1] - kept[r, 0])
-        _store(begin - origin, count, motion, out.reshape(-1)[3 * begin :])
+        _store(begin - origin, count, motion, out.reshape(-1)[3 * np.int64(blocks.particle[begin]) :])
         _keep(begin - origin, count, after, sliders[:, begin:])
         total += _total(begin - origin, count, lost)
     return total
@@ -132,7 +133,7 @@ def lattice_block(k, blocks, fabric, setting, positions, velocities, rooms, out)
 @entry
 @kernel
 def write_lattice(blocks, coefficients, setting, rooms, sliders, positions, velocities, out):  # type: ignore[no-untyped-def]
-    """Force on the particle of each slot into out (S,3); setting: h [m], damping time [s]; rooms (threads,41,R): scratch of each thread. Returns the energy
+    """Force on each particle of the lattice into out (P,3); setting: h [m], damping time [s]; rooms (threads,41,R): scratch of each thread. Returns the energy
     lost [J]."""
     lost = 0.0
     for k in range(len(blocks.first)):
@@ -146,7 +147,7 @@ _Law = LawStretch | LawShear | LawTwist | ForceBend
 @entry
 @parallel_kernel
 def write_bounds(blocks, coefficients, spacing, whole, positions, rooms, out):  # type: ignore[no-untyped-def]
-    """Row sum bound [N/m] of each slot into out (S,); whole: of all laws, not only of twist and bending. Slots between panels get numbers that mean nothing."""
+    """Row sum bound [N/m] of each particle of the lattice into out (P,); whole: of all laws, not only of twist and bending."""
     for k in prange(len(blocks.first)):
         bound_block(
             np.int64(k), blocks, coefficients[:_C_CELL], coefficients[_C_CELL:_C_BEND], coefficients[_C_BEND:_C_ALL], spacing, whole, positions, rooms, out
@@ -181,7 +182,7 @@ class ForceLattice:
             bend = ForceBend(lines, slots.across(lines.center, lines.direction), materials)
             self._act(laws, bend, np.where(lines.direction == WEFT, _S_BEND, _S_BEND + 1) * count + slots.slot[lines.center])
         self.damping_time = damping_time
-        self._blocks, self._spacing = slots.blocks, cloth.spacing
+        self._blocks, self._spacing, self._slots = slots.blocks, cloth.spacing, count
         self._coefficients = aligned_zeros(_C_ALL, count)
         self._coefficients[_WAYS] = NEVER
         self._write_plane()
@@ -192,7 +193,9 @@ class ForceLattice:
                 law.write_rows(slots, self._coefficients[_C_BEND:])
         numba.get_num_threads()  # starts the threads: before that a thread has no number by which it finds its room
         self._rooms = aligned_zeros(numba.config.NUMBA_NUM_THREADS, _ALL, slots.room)  # type: ignore[attr-defined]
-        self.corners = slots.blocks.particle
+        held = slots.slot >= 0
+        # What it writes stands where a particle has its number: the stepper need not gather what nothing else adds to.
+        self.corners = indices(np.where(held, np.arange(len(held)), NO_PARTICLE))
 
     def _act(self, laws: tuple[str, ...], law: _Law, places: np.ndarray) -> None:
         if law.name in laws:
@@ -222,18 +225,17 @@ class ForceLattice:
         return self._spread(lambda law: law.slack())
 
     def gauge(self, positions: np.ndarray) -> Gauge:
-        count = len(self.corners)
-        particle = np.full((SLIDERS, count), NO_PARTICLE, dtype=np.int32)
+        particle = np.full((SLIDERS, self._slots), NO_PARTICLE, dtype=np.int32)
         curve = np.broadcast_to(np.arange(SLIDERS)[:, None], particle.shape)
         for places in self._places:
-            particle.reshape(-1)[places] = self.corners[places % count]
+            particle.reshape(-1)[places] = self._blocks.particle[places % self._slots]
         return Gauge(self._spread(lambda law: law.strain(positions)), self._spread(lambda law: law.way), curve, particle)
 
     def drawn(self, positions: np.ndarray, share: float) -> np.ndarray:
         return self._spread(lambda law: law.strain(positions) - share * law.way)
 
     def _spread(self, of_law: Callable[[_Law], np.ndarray]) -> np.ndarray:
-        found = aligned_zeros(SLIDERS, len(self.corners))
+        found = aligned_zeros(SLIDERS, self._slots)
         for law, places in zip(self.laws, self._places):
             found.reshape(-1)[places] = of_law(law)
         return found
@@ -260,14 +262,14 @@ class ForceLattice:
 
     def write_rest_stiffness(self, out: np.ndarray) -> None:
         """Row sums of stretch and shear without friction, at rest, wherever the panels lie."""
-        total = np.zeros(int(self.corners.max(initial=0)) + 1)
+        total = np.zeros(len(self.corners))
         for law in self.laws:
             if isinstance(law, LawStretch | LawShear):
                 # A part of a law touches few of the particles: sums over all of them, part by part, would grow with their square.
                 low = int(law.corners.min(initial=len(total)))
                 part = np.bincount(law.corners - low, weights=law.rest_stiffness())
                 total[low : low + len(part)] += part
-        out[:] = np.where(self.corners == NO_PARTICLE, 0.0, total[self.corners])
+        out[:] = total
 
 
 def _parts(count: int) -> list[slice]:

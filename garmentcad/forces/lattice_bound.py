@@ -13,7 +13,7 @@ import numpy as np
 
 from garmentcad.arrays import kernel, long_kernel
 from garmentcad.forces.bend import line_bound
-from garmentcad.forces.rows import LANES, LOAD, load_motion, runs_of
+from garmentcad.forces.rows import KEPT, LANES, LOAD, load_motion, runs_of
 from garmentcad.forces.shear import SHORTEST, shear_bounds
 from garmentcad.forces.stretch import tension_bound
 from garmentcad.forces.twist import twist_bound
@@ -82,7 +82,7 @@ def _sum_bounds(first, last, up, room, out):  # type: ignore[no-untyped-def]
 
 @long_kernel
 def bound_block(k, blocks, links, cells, bends, spacing, whole, positions, rooms, out):  # type: ignore[no-untyped-def]
-    """Row sum bound [N/m] of each slot of a block into out (S,). links (8,S): coefficients of the weft and of the warp; cells (7,S); bends (4,S);
+    """Row sum bound [N/m] of each particle of a block into out (P,). links (8,S): coefficients of the weft and of the warp; cells (7,S); bends (4,S);
     whole: of all laws, not only of twist and bending; rooms (threads,18+,R): scratch of each thread."""
     room = rooms[numba.get_thread_id()]
     first, size, up = np.int64(blocks.first[k]), np.int64(blocks.size[k]), np.int64(blocks.columns[k])
@@ -97,4 +97,6 @@ def bound_block(k, blocks, links, cells, bends, spacing, whole, positions, rooms
     _bound_cells(begin - 2 * up - 1, end + up, up, origin, cells, spacing, whole, room)
     _bound_lines(begin - 1, end + 1, 1, bends[0, origin:], bends[1, origin:], spacing, room, room[_WEFT_LINE:_WARP_LINE])
     _bound_lines(begin - up, end + up, up, bends[2, origin:], bends[3, origin:], spacing, room, room[_WARP_LINE : _WARP_LINE + 3])
-    _sum_bounds(begin, end, up, room, out[first:])
+    kept = runs_of(blocks, k, KEPT)
+    for r in range(len(kept)):
+        _sum_bounds(kept[r, 0] - origin, kept[r, 1] - origin, up, room, out[np.int64(blocks.particle[kept[r, 0]]) :])

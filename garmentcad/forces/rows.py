@@ -52,7 +52,8 @@ class Blocks(NamedTuple):
     and slots of each block, and columns of its panel. Three rows and a few slots more, at either end of a block, are slots too.
 
     runs (N,2) int32: first slot, and first behind the last one, of each loop over each block: loop j of block k goes over runs start[k, j] to
-    start[k, j + 1] - 1. All but those of KEPT begin and end at multiples of LANES. What they leave out nothing reads that counts."""
+    start[k, j + 1] - 1. What they leave out nothing reads that counts. Those of KEPT hold particles with successive numbers, all others begin and end at
+    multiples of LANES."""
 
     particle: np.ndarray
     first: np.ndarray
@@ -90,7 +91,7 @@ class LatticeSlots:
         occupant = np.full(self.count, NO_PARTICLE)
         occupant[slot] = particle
         blocks = np.array(table, dtype=np.int64).reshape(-1, 3)
-        of_loops = [runs for block in blocks for runs in _runs_of(occupant != NO_PARTICLE, *block)]
+        of_loops = [runs for block in blocks for runs in _runs_of(occupant, *block)]
         start = np.cumsum([0, *map(len, of_loops)])
         start = np.column_stack([start[:-1].reshape(-1, _LOOPS), start[_LOOPS::_LOOPS]])
         runs = np.vstack([np.zeros((0, 2), dtype=np.int64), *of_loops])
@@ -128,19 +129,21 @@ class LatticeSlots:
         return found
 
 
-def _runs_of(occupied: np.ndarray, first: int, size: int, up: int) -> list[np.ndarray]:
-    """Runs (N,2) of each loop over a block: what the slots of its particles add up, what that is made of, and so on. occupied (S,) bool."""
+def _runs_of(particle: np.ndarray, first: int, size: int, up: int) -> list[np.ndarray]:
+    """Runs (N,2) of each loop over a block: what the slots of its particles add up, what that is made of, and so on. particle (S,): of each slot."""
     # the slots that lie in the room, and a few more at its end
     low, high = (first - 3 * up - LANES) // LANES * LANES, -(-(first + size + 3 * up + LANES) // LANES) * LANES
     own = np.zeros(high - low, dtype=bool)
-    own[first - low : first - low + size] = occupied[first : first + size]
+    own[first - low : first - low + size] = particle[first : first + size] != NO_PARTICLE
     cross = (0, 1, -1, up, -up)
     lines = arcs = _reached(own, cross)
     cells = _reached(arcs, (0, -1, -up, -up - 1))
     load = _reached(cells, [column + row * up for column in (-1, 0, 1, 2) for row in (-1, 0, 1, 2)])
     loops = [load, _reached(lines, (0, -1)), _reached(lines, (0, -up)), lines, cells, arcs, own]
     in_registers = [np.asarray(loop.reshape(-1, LANES).any(axis=1)) for loop in loops]
-    return [low + runs for runs in (*(LANES * _runs(wanted) for wanted in in_registers), _runs(own))]
+    breaks = np.flatnonzero(own[1:] & own[:-1] & (np.diff(particle[low:high]) != 1)) + 1
+    kept = np.sort(np.concatenate([_runs(own).ravel(), breaks, breaks])).reshape(-1, 2)
+    return [low + runs for runs in (*(LANES * _runs(wanted) for wanted in in_registers), kept)]
 
 
 def _reached(wanted: np.ndarray, steps: Iterable[int]) -> np.ndarray:

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
-from garmentcad.arrays import CHUNKS, chunk_range, entry, kernel, long_kernel, parallel_kernel
+from garmentcad.arrays import CHUNKS, chunk_range, entry, kernel, long_kernel, parallel_kernel, row_kernel
 from garmentcad.constraints.points import apply_bonds
 from garmentcad.contact.contact import farthest, go_with_body, respond
 from garmentcad.contact.pairs import BY_BODY, fastest_of, mark_pressed
@@ -46,24 +46,47 @@ class Controls(NamedTuple):
 
 
 @kernel
-def _advance_of(particles, sums, rates, inertia, planes, pressed, positions, velocities, out):  # type: ignore[no-untyped-def]
-    time_step, cap = rates
-    drag, inverse_masses, across = inertia
-    largest = 0.0
-    for p in range(particles[0], particles[1]):
+def _add_up_of(chunk, sums):  # type: ignore[no-untyped-def]
+    """What acts on particles on which several forces act, into the row of corner forces that has their number: where one does, it stands there already."""
+    for m in range(sums.first_mixed[chunk], sums.first_mixed[chunk + 1]):
+        p = sums.mixed[m]
         fx = fy = fz = 0.0
         for j in range(sums.starts[p], sums.starts[p + 1]):
             k = sums.slots[j]
             fx, fy, fz = fx + sums.corner_forces[k, 0], fy + sums.corner_forces[k, 1], fz + sums.corner_forces[k, 2]
-        push, keep = time_step * inverse_masses[p], 1.0 - time_step * drag[p]
-        if push == 0.0:
-            keep = 1.0
-        fy -= sums.weight[p]
-        light = across[p, 0] * fx + across[p, 1] * fy + across[p, 2] * fz
-        fx, fy, fz = fx + light * across[p, 0], fy + light * across[p, 1], fz + light * across[p, 2]
-        x, y, z = keep * velocities[p, 0] + push * fx, keep * velocities[p, 1] + push * fy, keep * velocities[p, 2] + push * fz
+        sums.corner_forces[p, 0], sums.corner_forces[p, 1], sums.corner_forces[p, 2] = fx, fy, fz
+
+
+@row_kernel
+def _accelerate_of(particles, forces, weights, time_step, inertia, velocities):  # type: ignore[no-untyped-def]
+    """Velocities from the forces, uncapped. Returns the largest squared speed as whole number: the bits of numbers that are not negative rise as they do, and
+    one that is no number is beyond all."""
+    first, count = particles[0], np.uint64(particles[1] - particles[0])
+    force, speeds, lights = forces.reshape(-1)[3 * first :], velocities.reshape(-1)[3 * first :], inertia[2].reshape(-1)[3 * first :]
+    weight, drag, inverse_masses = weights[first:], inertia[0][first:], inertia[1][first:]
+    largest = np.int64(0)
+    for i in range(count):
+        kx = np.uint64(3) * i
+        ky, kz = kx + np.uint64(1), kx + np.uint64(2)
+        push, keep = time_step * inverse_masses[i], 1.0 - time_step * drag[i]
+        keep = 1.0 if push == 0.0 else keep
+        # 0 and a sum of one is that one, but for the sign of nothing
+        fx, fy, fz, ax, ay, az = 0.0 + force[kx], (0.0 + force[ky]) - weight[i], 0.0 + force[kz], lights[kx], lights[ky], lights[kz]
+        light = ax * fx + ay * fy + az * fz
+        fx, fy, fz = fx + light * ax, fy + light * ay, fz + light * az
+        x, y, z = keep * speeds[kx] + push * fx, keep * speeds[ky] + push * fy, keep * speeds[kz] + push * fz
+        speeds[kx], speeds[ky], speeds[kz] = x, y, z
+        largest = max(largest, np.float64(abs(x * x + y * y + z * z)).view(np.int64))
+    return largest
+
+
+@kernel
+def _cap_of(particles, cap, time_step, planes, pressed, positions, velocities):  # type: ignore[no-untyped-def]
+    """Where forces would make a particle faster than `cap` it becomes no faster. Returns the largest squared speed, m2/s2."""
+    largest = 0.0
+    for p in range(particles[0], particles[1]):
+        x, y, z = row(velocities, p)
         square = x * x + y * y + z * z
-        # not a number stays one: the comparison is false
         if square > cap * cap:
             # What presses on the body, or on what keeps it off the body, is not cut: it may be many times the weight, contact takes it, and it holds what
             # pulls beside it in balance. It is no speed either: contact leaves at most the cap of it.
@@ -80,10 +103,20 @@ def _advance_of(particles, sums, rates, inertia, planes, pressed, positions, vel
             square = x * x + y * y + z * z
             share = cap / math.sqrt(square) if square > cap * cap else 1.0
             square = share * share * square + min(into * into, cap * cap)
-            x, y, z = share * x + into * a, share * y + into * b, share * z + into * c
-        velocities[p, 0], velocities[p, 1], velocities[p, 2] = x, y, z
+            velocities[p, 0], velocities[p, 1], velocities[p, 2] = share * x + into * a, share * y + into * b, share * z + into * c
+        # not a number stays one: the comparison is false
         largest = max(largest, square) if square == square else math.inf
-    out[0] = largest
+    return largest
+
+
+@kernel
+def _advance_of(chunk, sums, rates, inertia, planes, pressed, positions, velocities, out):  # type: ignore[no-untyped-def]
+    (time_step, cap), particles = rates, chunk_range(chunk, len(sums.weight))
+    _add_up_of(chunk, sums)
+    bits = _accelerate_of(particles, sums.corner_forces, sums.weight, time_step, inertia, velocities)
+    out[0] = np.int64(bits).view(np.float64)
+    if not out[0] <= cap * cap:
+        out[0] = _cap_of(particles, cap, time_step, planes, pressed, positions, velocities)
 
 
 @parallel_kernel
@@ -91,9 +124,8 @@ def advance_velocities(sums, rates, inertia, planes, pressed, positions, velocit
     """Velocities in place; rates: time step s, speed cap m/s; inertia: drag (P,) 1/s, inverse masses (P,) 1/kg, `across` (P,3) of inertia.py; planes: of the
     body below; pressed (P,): what held the particle apart in the last step (`Stand.pressed`); out (CHUNKS,2): largest squared speed, m2/s2, in the first
     column, of what presses on the body only up to the cap."""
-    count = len(sums.weight)
     for chunk in prange(CHUNKS):
-        _advance_of(chunk_range(chunk, count), sums, rates, inertia, planes, pressed, positions, velocities, out[chunk])
+        _advance_of(np.int64(chunk), sums, rates, inertia, planes, pressed, positions, velocities, out[chunk])
 
 
 @kernel
@@ -104,20 +136,24 @@ def _largest(out):  # type: ignore[no-untyped-def]
     return math.sqrt(square)
 
 
-@kernel
+@row_kernel
 def _move_of(nodes, step, velocities, positions):  # type: ignore[no-untyped-def]
-    for n in range(nodes[0], nodes[1]):
-        for axis in range(3):
-            positions[n, axis] += step * velocities[n, axis]
+    speeds, places = velocities.reshape(-1)[3 * nodes[0] :], positions.reshape(-1)[3 * nodes[0] :]
+    for k in range(np.uint64(3 * (nodes[1] - nodes[0]))):
+        places[k] += step * speeds[k]
 
 
 @kernel
 def _twice_energy_of(particles, velocities, masses):  # type: ignore[no-untyped-def]
-    """Sum of m v^2 of some particles, J."""
-    total = 0.0
-    for p in range(particles[0], particles[1]):
-        total += masses[p] * (velocities[p, 0] ** 2 + velocities[p, 1] ** 2 + velocities[p, 2] ** 2)
-    return total
+    """Sum of m v^2 of some particles, J, in parts that need not wait for each other."""
+    one = other = 0.0
+    for p in range(particles[0], particles[1] - 1, 2):
+        one += masses[p] * (velocities[p, 0] ** 2 + velocities[p, 1] ** 2 + velocities[p, 2] ** 2)
+        other += masses[p + 1] * (velocities[p + 1, 0] ** 2 + velocities[p + 1, 1] ** 2 + velocities[p + 1, 2] ** 2)
+    if (particles[1] - particles[0]) % 2:
+        p = particles[1] - 1
+        one += masses[p] * (velocities[p, 0] ** 2 + velocities[p, 1] ** 2 + velocities[p, 2] ** 2)
+    return one + other
 
 
 @parallel_kernel
