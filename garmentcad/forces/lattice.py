@@ -131,14 +131,11 @@ def lattice_block(k, blocks, fabric, setting, positions, velocities, rooms, out)
 
 
 @entry
-@kernel
+@parallel_kernel
 def write_lattice(blocks, coefficients, setting, rooms, sliders, positions, velocities, out):  # type: ignore[no-untyped-def]
-    """Force on each particle of the lattice into out (P,3); setting: h [m], damping time [s]; rooms (threads,41,R): scratch of each thread. Returns the energy
-    lost [J]."""
-    lost = 0.0
-    for k in range(len(blocks.first)):
-        lost += lattice_block(k, blocks, (coefficients, sliders), setting, positions, velocities, rooms, out)
-    return lost
+    """Force on each particle of the lattice into out (P,3); setting: h [m], damping time [s]; rooms (threads,41,R): scratch of each thread."""
+    for k in prange(len(blocks.first)):
+        lattice_block(np.int64(k), blocks, (coefficients, sliders), setting, positions, velocities, rooms, out)
 
 
 _Law = LawStretch | LawShear | LawTwist | ForceBend
