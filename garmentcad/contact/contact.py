@@ -131,7 +131,7 @@ class Contact:
             self._surface, self._tree, rise = self._body.surface, self._body.face_tree, self._body.rise
         cap = LARGEST_GAP * cloth.spacing
         self._largest = float(max(body_gap.max(initial=0.0), min(rise.max(initial=0.0), cap)))
-        self._grip = Grip(body_gap, rise, np.array([cap]), self._body_friction.copy())
+        self._grip = Grip(body_gap, rise, np.array([cap]), self._body_friction.copy(), np.zeros(cloth.particle_count, np.int8))
         self.count, self.nodes = cloth.particle_count, cloth.particle_count + len(self._surface.vertices)
         self.positions = np.concatenate([np.zeros((self.count, 3)), self._surface.vertices])
         self.velocities = np.zeros_like(self.positions)

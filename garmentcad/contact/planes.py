@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from numba import prange
 
-from garmentcad.arrays import CHUNKS, chunk_range, inlined_kernel, kernel, long_kernel, making_kernel, parallel_kernel
+from garmentcad.arrays import CHUNKS, chunk_range, inlined_kernel, kernel, long_kernel, making_kernel, parallel_kernel, row_kernel
 from garmentcad.contact.bvh import box_distance2, node_after
 from garmentcad.contact.carry import anchor, row_at
 from garmentcad.geometry.closest import FACE, along, cross, distance_between, dot, minus, mixed, point_triangle, row, unit
@@ -61,12 +61,13 @@ class Planes(NamedTuple):
 
 
 class Grip(NamedTuple):
-    """Constants of the response."""
+    """Constants of the response, and room for it."""
 
     gap: np.ndarray  # (P,) m
     rise: np.ndarray  # (V,) m, least gap at the body's vertices because it curves there
     largest_gap: np.ndarray  # (1,) m, up to which curvature raises the gap
     friction: np.ndarray  # (P,)
+    near: np.ndarray  # (P,) int8, room for which particles are near something in a step
 
 
 @kernel
@@ -249,9 +250,8 @@ def _on_both(v, n1, n2, least1, least2, mu):  # type: ignore[no-untyped-def]
 
 
 @inlined_kernel
-def _hold(p, planes, mu, x, v, time_step):  # type: ignore[no-untyped-def]
-    """Velocity of particle p that its planes allow, and the part of it that friction took; v and both relative to the first plane's."""
-    n1, room1 = rooms(planes, p, 0, x)
+def _hold(p, planes, mu, x, v, time_step, n1, room1):  # type: ignore[no-untyped-def]
+    """Velocity of particle p that its planes allow, and the part of it that friction took; v and both relative to the first plane's. n1, room1: of that."""
     n2, room2 = n1, math.inf
     if planes.held[p] > 1:
         n2, room2 = rooms(planes, p, 1, x)
@@ -278,10 +278,17 @@ def _hold(p, planes, mu, x, v, time_step):  # type: ignore[no-untyped-def]
 @inlined_kernel
 def held(p, planes, mu, x, v, time_step):  # type: ignore[no-untyped-def]
     """Velocity that the planes of particle p, at least one, leave of v, and the part of it that friction took; mu: friction of the particle on the body."""
+    normal, room = rooms(planes, p, 0, x)
+    return held_by(p, planes, mu, x, v, time_step, normal, room)
+
+
+@inlined_kernel
+def held_by(p, planes, mu, x, v, time_step, normal, room):  # type: ignore[no-untyped-def]
+    """The same; normal, room: of the first plane."""
     if len(planes.face) == 0:
-        return _hold(p, planes, mu, x, v, time_step)
+        return _hold(p, planes, mu, x, v, time_step, normal, room)
     drift = row_at(planes.drift, p, 0)
-    v, lost = _hold(p, planes, mu, x, minus(v, drift), time_step)
+    v, lost = _hold(p, planes, mu, x, minus(v, drift), time_step, normal, room)
     return along(v, drift, 1.0), lost
 
 
@@ -297,20 +304,37 @@ def allowed(planes, p, x, v, time_step):  # type: ignore[no-untyped-def]
     return v
 
 
+@row_kernel
+def _sift(particles, due, path, velocities, inverse_masses, time_step, near):  # type: ignore[no-untyped-def]
+    """Tell in near (P,) which particles may meet their planes or need a look in this step. Returns the largest squared speed of the others, m2/s2; infinite
+    where one of them is no number."""
+    first, count = particles[0], np.uint64(particles[1] - particles[0])
+    speeds, limit, masses, found = velocities.reshape(-1)[3 * first :], due[first:], inverse_masses[first:], near[first:]
+    least, reach, largest = PUSH_SPEED * PUSH_SPEED, time_step * time_step, np.int64(0)
+    for i in range(count):
+        k = np.uint64(3) * i
+        x, y, z = speeds[k], speeds[k + np.uint64(1)], speeds[k + np.uint64(2)]
+        square, ahead = x * x + y * y + z * z, limit[i] - path
+        past = (masses[i] == 0.0) | ((ahead > 0.0) & (ahead * ahead > max(square, least) * reach))
+        found[i] = not past
+        bits = np.float64(abs(square)).view(np.int64)
+        largest = max(largest, bits if past else np.int64(0))
+    square = np.int64(largest).view(np.float64)
+    return square if square == square else math.inf
+
+
 @long_kernel
 def _respond_of(particles, body, planes, grip, motion, pace, out):  # type: ignore[no-untyped-def]
     surface, tree, largest = body
     positions, velocities, inverse_masses, time_step = motion
     moving = len(planes.face) > 0
-    total = largest_square = 0.0
+    total = 0.0
+    largest_square = _sift(particles, planes.due, planes.path[0], velocities, inverse_masses, time_step, grip.near)
     for p in range(particles[0], particles[1]):
-        v = row(velocities, p)
-        square, ahead = dot(v, v), planes.due[p] - planes.path[0]
-        if inverse_masses[p] == 0.0 or (ahead > 0.0 and ahead * ahead > max(square, PUSH_SPEED * PUSH_SPEED) * time_step * time_step):
-            # A speed that is not a number must not hide behind a comparison that is false.
-            largest_square = max(largest_square, square) if square == square else math.inf
+        if grip.near[p] == 0:
             continue
-        x = row(positions, p)
+        v, x = row(velocities, p), row(positions, p)
+        square = dot(v, v)
         speed, nearer = math.sqrt(square), 0.0
         if moving:
             # Near the body relative to the face below, and by what the body bends; else by all that the body moves.
@@ -334,12 +358,15 @@ def _respond_of(particles, body, planes, grip, motion, pace, out):  # type: igno
             margin = max(MARGIN, 2.0 * reserve, min(_STEPS_PER_LOOK * speed * time_step, _MOST))
             _look(p, surface, tree, grip, x, (largest, margin, nearer), planes, (positions, velocities, time_step), pace)
         room = math.inf if planes.held[p] == 0 else -math.inf
+        normal, first = (0.0, 0.0, 0.0), 0.0
+        if planes.held[p] > 0:
+            normal, first = rooms(planes, p, 0, x)
         if planes.held[p] == 1:
-            room = rooms(planes, p, 0, x)[1] - CLOSED
+            room = first - CLOSED
         if not moving:
             planes.due[p] = planes.path[0] + min(planes.allowance[p] - gone, room)
         if room <= reserve:
-            v, lost = held(p, planes, grip.friction[p], x, v, time_step)
+            v, lost = held_by(p, planes, grip.friction[p], x, v, time_step, normal, first)
             rest = minus(v, row_at(planes.drift, p, 0)) if moving else v
             total += dot(lost, rest) / inverse_masses[p]
             velocities[p, 0], velocities[p, 1], velocities[p, 2] = v
