@@ -29,7 +29,7 @@ HARDWARE = (ForceBand.name, ForceButton.name)
 # threads take bins that follow each other. A half is what lies side by side, as far as that goes, so that a thread finds in its own cache what it wrote in the
 # last loop (adding up the forces on 10,000 particles took two threads 65 to 95 us instead of 150 where their cores are far apart).
 BINS = 8
-# Work of an element, us: of lattice blocks a particle, of the others one of the 128 elements of a part (measured, one thread).
+# Work of an element, us: of lattice blocks a slot, of the others one of the 128 elements of a part (measured, one thread).
 _WORK = (0.02, 0.022, 0.01, 0.014, 0.014)
 _PER_ELEMENT = (1, 3, bend_lines.CORNERS, 4, 4)  # corners
 
@@ -126,9 +126,11 @@ def lay_out_parts(forces: tuple[Any, ...]) -> Parts:
     work: list[float] = []
     place: list[float] = []
     for kind, of_law in enumerate(pieces):
-        for piece in of_law:
+        for number, piece in enumerate(of_law):
             owner[first[kind] + piece] = len(work)
-            work.append(_WORK[kind] * len(piece) / _PER_ELEMENT[kind])
+            # empty slots count as well, though loops leave most of them out: how many stages stiff parts are given hangs on this, and the bits of a drape
+            elements = int(blocks.size[number]) if kind == 0 else len(piece) / _PER_ELEMENT[kind]
+            work.append(_WORK[kind] * elements)
             place.append(_mean_particle(corners[kind][piece]))
     more = {force.name: force for force in forces[len(LAWS) :]}
     bands = more[ForceBand.name].segments.particles.size if ForceBand.name in more else 0
