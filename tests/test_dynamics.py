@@ -17,7 +17,7 @@ from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.lattice import rectangle_cloth
 from garmentcad.cloth.state import State
 from garmentcad.contact.contact import Contact
-from garmentcad.contact.planes import fresh_planes
+from garmentcad.contact.planes import fresh_planes, respond_planes
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.assembly import ForceAssembly, Sums
 from garmentcad.forces.gravity import ForceGravity
@@ -292,8 +292,9 @@ def test_velocities_are_those_of_the_sum_of_all_forces() -> None:
     before, dt, none = rng.standard_normal((count, 3)), 1e-3, np.zeros((count, 3))
     before[::50] = 0.0
     corners, used = np.concatenate([own, others]), np.concatenate([own, others]) >= 0
-    for forces in (rng.standard_normal((len(corners), 3)) for _ in range(2)):  # what was added up does not stay there
-        sums.corner_forces[:] = np.where(used[:, None], forces, 0.0)
+    for forces in (rng.standard_normal((len(corners), 3)) for _ in range(2)):
+        # forces write their own rows anew; in those of particles that are not the first one's stands what was added up before
+        sums.corner_forces[used] = forces[used]
         force = np.zeros((count, 3))
         np.add.at(force, corners[used], forces[used])
         force[:, 1] -= GRAVITY_M_S2 * masses
@@ -315,6 +316,22 @@ def test_a_speed_that_is_no_number_does_not_hide(wrong: float) -> None:
     places, inertia = np.zeros((5, 3)), (np.zeros(5), np.ones(5), np.zeros((5, 3)))
     advance_velocities(sums, (1e-3, math.inf), inertia, fresh_planes(places, False), np.zeros(5, np.int8), places, np.zeros((5, 3)), out)
     assert out[:, 0].max() == math.inf
+
+
+@pytest.mark.parametrize("wrong", [math.nan, -math.nan, math.inf, 3.0])
+def test_contact_tells_the_fastest_of_what_is_near_nothing(wrong: float) -> None:
+    """All particles are far from any body; the fixed one counts as well."""
+    cloth = rectangle_cloth(50.0, 50.0, 10.0, 0.0, materials())
+    for place, inverse_mass in ((7, 1.0), (7, 0.0)):
+        contact = Contact(cloth, materials())
+        state = contact.blank()
+        surface, tree, largest, grip, planes, _, _, pace, out, _ = contact.arguments(state)
+        planes.due[:] = math.inf
+        velocities, inverse_masses = np.full((cloth.particle_count, 3), 0.1), np.full(cloth.particle_count, 1.0)
+        velocities[place], inverse_masses[place] = [0.0, wrong, 0.0], inverse_mass
+        respond_planes(surface, tree, largest, planes, grip, state.positions, velocities, inverse_masses, 1e-4, pace, out)
+        assert out[:, 1].max() == (9.0 if wrong == 3.0 else math.inf)
+        assert grip.near.any() == (wrong != 3.0 and inverse_mass > 0.0), "what may go anywhere is not sifted out"
 
 
 def test_the_cap_leaves_what_presses_on_the_body_and_nothing_else() -> None:

@@ -106,14 +106,14 @@ def test_what_loops_leave_out_reaches_no_force(garment: tuple[Cloth, MaterialTab
     """A room that holds no numbers, as one may after a run that diverged, gives the same forces, sliders, losses and bounds as an empty one; also where runs
     are not rounded to whole registers."""
     cloth, materials, positions = garment
-    runs_of = rows._runs_of
+    runs_of = rows._runs_of_loops
 
     def with_lanes(*arguments):  # type: ignore[no-untyped-def]
         with monkeypatch.context() as patch:
             patch.setattr(rows, "LANES", lanes)
             return runs_of(*arguments)
 
-    monkeypatch.setattr(rows, "_runs_of", with_lanes)
+    monkeypatch.setattr(rows, "_runs_of_loops", with_lanes)
     places, velocities = positions + 2e-4 * np.random.default_rng(8).standard_normal(positions.shape), 0.1 * positions
     found = []
     for held in (0.0, np.nan):

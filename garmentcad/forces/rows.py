@@ -91,7 +91,7 @@ class LatticeSlots:
         occupant = np.full(self.count, NO_PARTICLE)
         occupant[slot] = particle
         blocks = np.array(table, dtype=np.int64).reshape(-1, 3)
-        of_loops = [runs for block in blocks for runs in _runs_of(occupant, *block)]
+        of_loops = [runs for block in blocks for runs in _runs_of_loops(occupant, *block)]
         start = np.cumsum([0, *map(len, of_loops)])
         start = np.column_stack([start[:-1].reshape(-1, _LOOPS), start[_LOOPS::_LOOPS]])
         runs = np.vstack([np.zeros((0, 2), dtype=np.int64), *of_loops])
@@ -129,7 +129,7 @@ class LatticeSlots:
         return found
 
 
-def _runs_of(particle: np.ndarray, first: int, size: int, up: int) -> list[np.ndarray]:
+def _runs_of_loops(particle: np.ndarray, first: int, size: int, up: int) -> list[np.ndarray]:
     """Runs (N,2) of each loop over a block: what the slots of its particles add up, what that is made of, and so on. particle (S,): of each slot."""
     # the slots that lie in the room, and a few more at its end
     low, high = (first - 3 * up - LANES) // LANES * LANES, -(-(first + size + 3 * up + LANES) // LANES) * LANES
