@@ -22,6 +22,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
+from garmentcad.arrays import entry, kernel
 from garmentcad.fabric.law_bending import STICK
 
 STANDARD_CHORD_DEG = 41.5
@@ -44,14 +45,10 @@ def overhang_ratio(chord_deg: float = STANDARD_CHORD_DEG) -> float:
 
 def slid_ratio(held: float) -> float:
     """L/c at which the chord lies 41.5 degrees below the horizontal, slid out piece by piece. held: H c/B, what internal friction holds."""
-    curvature, slider = np.zeros(0), np.zeros(0)  # of the joints that end the pieces, from the tip; the last one is at the edge
-    angle = before = 0.0
-    while angle < STANDARD_CHORD_DEG:
-        before, slider = angle, np.append(slider, 0.0)
-        curvature, slope = _bent(np.append(curvature, 0.0), slider, held)
-        slider = np.clip(slider, curvature - held / STICK, curvature + held / STICK)
-        angle = math.degrees(math.atan2(np.sin(slope).sum(), np.cos(slope).sum()))
-    return _PIECE * (len(slider) - (angle - STANDARD_CHORD_DEG) / (angle - before))
+    ratio = float(_slide_out(held, *np.zeros((3, math.ceil(_RATIOS[1] / _PIECE)))))
+    if math.isnan(ratio):
+        raise ArithmeticError(f"a strip with H c/B = {held:g} finds no equilibrium on its way to {STANDARD_CHORD_DEG:g} degrees")
+    return ratio
 
 
 def bending_from_overhang(overhang_m: float, weight_n_m2: float, friction_n: float = 0.0) -> float:
@@ -86,21 +83,44 @@ def _strip(tip_slope: float) -> tuple[float, float]:
     return float(path.t_events[0][0]), math.atan2(drop, reach)
 
 
-def _bent(curvature: np.ndarray, slider: np.ndarray, held: float) -> tuple[np.ndarray, np.ndarray]:
-    """Curvature [1/c] of each joint in equilibrium, from a guess and the sliders before, and slope [rad] of each piece. The joint at the edge has half."""
-    pieces = np.arange(1, len(curvature) + 1)
-    span = np.full(len(curvature), _PIECE)
-    span[-1] *= 0.5
+@entry
+@kernel
+def _slide_out(held, curvature, slider, slope):  # type: ignore[no-untyped-def]
+    """`slid_ratio`, NaN where it finds none. Of the joints that end the pieces, from the tip, the last one at the edge: curvature, slider [1/c] (N,) of zeros;
+    slope [rad] (N,) of the pieces."""
+    angle = 0.0
+    for edge in range(len(curvature)):
+        if not _settle(edge, held, curvature, slider, slope):
+            break
+        reach = drop = 0.0
+        for i in range(edge + 1):
+            slider[i] = min(max(slider[i], curvature[i] - held / STICK), curvature[i] + held / STICK)
+            reach, drop = reach + math.cos(slope[i]), drop + math.sin(slope[i])
+        before, angle = angle, math.degrees(math.atan2(drop, reach))
+        if angle >= STANDARD_CHORD_DEG:
+            return _PIECE * (edge + 1 - (angle - STANDARD_CHORD_DEG) / (angle - before))
+    return math.nan
+
+
+@kernel
+def _settle(edge, held, curvature, slider, slope):  # type: ignore[no-untyped-def]
+    """Curvatures (N,) of the joints up to the one at the edge into equilibrium, from a guess and the sliders before; slope (N,) follows. False where they find
+    none."""
     for _ in range(_MOST_CORRECTIONS):
-        slope = np.cumsum((span * curvature)[::-1])[::-1]
-        forward = _PIECE * np.cos(slope)
-        reach = np.cumsum(forward)
-        moment = _PIECE * (pieces * reach - np.cumsum(reach - 0.5 * forward))
-        stuck = (moment + STICK * slider) / (1.0 + STICK)
-        pulled = STICK * (stuck - slider)
-        asked = np.where(pulled > held, moment - held, np.where(pulled < -held, moment + held, stuck))
-        off = float(np.abs(asked - curvature).max())
-        curvature = 0.5 * (curvature + asked)
+        turned = 0.0
+        for i in range(edge, -1, -1):
+            turned += (0.5 if i == edge else 1.0) * _PIECE * curvature[i]  # the joint at the edge has half a piece
+            slope[i] = turned
+        reach = passed = off = 0.0
+        for i in range(edge + 1):
+            forward = _PIECE * math.cos(slope[i])
+            reach, passed = reach + forward, passed + reach + 0.5 * forward
+            moment = _PIECE * ((i + 1) * reach - passed)  # of the weight beyond
+            stuck = (moment + STICK * slider[i]) / (1.0 + STICK)
+            pulled = STICK * (stuck - slider[i])
+            asked = moment - held if pulled > held else (moment + held if pulled < -held else stuck)
+            off = max(off, abs(asked - curvature[i]))
+            curvature[i] = 0.5 * (curvature[i] + asked)
         if off < _SAME_BEND:
-            return curvature, slope
-    raise ArithmeticError(f"a strip of {len(curvature)} pieces with H c/B = {held:g} finds no equilibrium")
+            return True
+    return False
