@@ -12,12 +12,13 @@ from garmentcad.geometry.intersection import _cross_exactly, crossing_owners, cr
 
 
 def independent(positions: np.ndarray, triangles: np.ndarray) -> set[tuple[int, int]]:
-    """Pairs without a common vertex that cross, by ipctk's edge-triangle test."""
+    """Pairs without a common vertex that cross, by ipctk's edge-triangle test of all whose boxes touch."""
     found = set()
+    low, high = positions[triangles].min(axis=1), positions[triangles].max(axis=1)
     for i, one in enumerate(triangles):
-        for j in range(i + 1, len(triangles)):
+        for j in np.flatnonzero(((low[i] <= high) & (low <= high[i])).all(axis=1)).tolist():
             other = triangles[j]
-            if set(one) & set(other):
+            if j <= i or set(one) & set(other):
                 continue
             for edges, face in ((one, other), (other, one)):
                 for k in range(3):
