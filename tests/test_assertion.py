@@ -78,6 +78,13 @@ def test_every_value_of_a_wildcard_is_judged_and_what_was_not_measured_left_out(
     ]
 
 
+def test_only_the_wildcard_stands_for_other_text() -> None:
+    report = {"ease_mm": {"bust": 1, "waist": 2, "hip": None, "a?": 3, "[b]": 4}}
+    assert values_at(report, "ease_mm.b*") == {"ease_mm.bust": 1}
+    assert values_at(report, "ease_mm.[bw]*") == values_at(report, "ease_mm.hi?") == {}
+    assert (values_at(report, "ease_mm.a?"), values_at(report, "ease_mm.[b]")) == ({"ease_mm.a?": 3}, {"ease_mm.[b]": 4})
+
+
 def test_a_mean_over_reports_wants_a_number_in_each() -> None:
     assert means([{"a": 1.0, "b": 1}, {"a": 4.0, "b": None}, {"a": 10.0, "b": 2}], "*") == {"a": 5.0, "b": None}
     assert means([{"a": True}, {"a": 3}], "a") == {"a": None}

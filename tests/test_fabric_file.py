@@ -9,8 +9,8 @@ import pytest
 
 from garmentcad.errors import FabricError, FileError, GarmentError
 from garmentcad.fabric.missing import complete
-from garmentcad.fabric.sheet import sheet_from
-from garmentcad.io.fabric_file import fabric_names, fabric_path, load_fabric, read_fabric, write_fabric
+from garmentcad.fabric.sheet import CalibratedLaw, sheet_from
+from garmentcad.io.fabric_file import fabric_names, fabric_path, load_fabric, read_fabric, write_fabric, write_law
 from garmentcad.io.yaml_file import parse_yaml
 
 GOOD = """\
@@ -133,3 +133,54 @@ def test_sheets_in_the_docs_are_accepted(page: str) -> None:
     assert blocks
     for block in blocks:
         assert complete(sheet_from(parse_yaml(block, page))).sheet.number("MIU.mean") > 0
+
+
+LAW = CalibratedLaw(sheet_sha256="0" * 64, values={"G.warp": 0.61})
+ROOM = "schema: 1\nname: x\nsource: our laboratory\nW: 12\n"
+OLD = f"{{sheet_sha256: {'a' * 64}, values: {{B.warp: 0.1}}}}"
+
+
+@pytest.mark.parametrize(
+    ("text", "kept"),
+    [
+        (ROOM, ROOM),
+        (f"{ROOM}law: {OLD}\n# said below\nT0: 0.3\n", f"{ROOM}# said below\nT0: 0.3\n"),
+        (f"{ROOM}law:\n  # said inside\n  sheet_sha256: {'a' * 64}\n  values: {{B.warp: 0.1}}\nT0: 0.3\n", f"{ROOM}  # said inside\nT0: 0.3\n"),
+        (f'{ROOM}"law": {OLD}\n', ROOM),
+        (f"{ROOM}law : {OLD}\n", ROOM),
+        (ROOM.replace("\n", "\r\n"), ROOM.replace("\n", "\r\n")),
+    ],
+    ids=["none", "in one line", "in lines", "in quotes", "with a blank", "windows line ends"],
+)
+def test_a_law_goes_below_every_line_that_was_typed(text: str, kept: str, tmp_path: Path) -> None:
+    path, link = tmp_path / "mine.yaml", tmp_path / "link.yaml"
+    path.write_bytes(text.encode())
+    path.chmod(0o600)
+    link.symlink_to(path)
+    write_law(link, LAW)
+    assert link.is_symlink()
+    assert path.stat().st_mode & 0o777 == 0o600
+    assert path.read_bytes().startswith(kept.encode())
+    ends = path.read_bytes().count(b"\r\n")
+    assert ends == (path.read_bytes().count(b"\n") if "\r\n" in text else 0)
+    assert read_fabric(path).law == LAW
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["{schema: 1, name: x, source: a, W: 12}\n", "{schema: 1,\nname: x, source: a,\nW: 12}\n", " schema: 1\n name: x\n source: a\n W: 12\n",
+     "schema: 1\nname: x\nsource: a\nW: 12\n...\n", 'schema: 1\nname: x\nsource: "a\nlaw: of the land"\nW: 12\n'],
+    ids=["flow", "flow over lines", "indented", "end of document", "text over lines"],
+)  # fmt: skip
+def test_a_law_that_lines_cannot_hold_leaves_the_file_as_it_was(text: str, tmp_path: Path) -> None:
+    path = tmp_path / "mine.yaml"
+    path.write_text(text)
+    read_fabric(path)
+    with pytest.raises(FileError, match="no room for a law"):
+        write_law(path, LAW)
+    assert path.read_text() == text
+
+
+def test_characters_that_yaml_takes_for_line_ends_come_back(tmp_path: Path) -> None:
+    odd = sheet_from({"schema": 1, "name": "a\x85b\u2028c\x7f\ufeffd", "source": "value", "W": 12, "sources": {"value": "a\x9fb"}})
+    assert read_fabric(write_fabric(odd, tmp_path / "odd.yaml")) == odd

@@ -96,3 +96,30 @@ def test_a_fold_that_ends_in_the_depth_of_a_pleat_is_refused() -> None:
     pleats = [{"name": "k", "edge": "e_c", "at": {"mm": 80, "from": "d"}, "depth": 30}]
     with pytest.raises(SpecError, match=r"goes through 'k_1', a dart or pleat, whose leg it crosses at \(100.0, 400.0\) mm"):
         panel(internal_lines={"top": [[100, 400], [100, 200]]}, pleats=pleats, folds=[{"name": "f", "line": "top", "angle": -150}])
+
+
+@pytest.mark.parametrize("half_mm", [51.25, 63.17, 88.41, 97.03])
+def test_a_fold_in_the_middle_of_a_curve_cuts_it_there(half_mm: float) -> None:
+    """Where the line meets a sampled point of the curve but for rounding, that may differ from one way to draw the point to another (51.25)."""
+    corners = {"a": [-half_mm, 0], "b": [half_mm, 0], "c": [half_mm, 300], "d": [-half_mm, 300]}
+    hem = {"name": "hem", "from": "a", "to": "b", "cubic": [[-34.2, -8], [34.2, -8]]}
+    edges = [hem, *({"name": name, "from": name[0], "to": name[1]} for name in ("bc", "cd", "da"))]
+    made = panel(points=corners, edges=edges, internal_lines={"m": [[0, -1000], [0, 1000]]}, folds=[{"name": "f", "line": "m", "angle": 90}])
+    assert [edge.name for edge in made.edges] == ["hem", "hem", "bc", "cd", "cd", "da"]
+    assert made.points["f_1"] == pytest.approx((0.0, -6.0), abs=1e-9)
+    assert made.points["f_2"] == pytest.approx((0.0, 300.0), abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    "what",
+    [
+        {"darts": [{"name": "d", "edge": "none", "at": 0.5, "intake": 5, "length": 50}]},
+        {"notches": [{"edge": "none", "at": {"mm": 0, "from": "b"}, "name": "n"}]},
+    ],
+)
+def test_nothing_has_a_place_on_an_edge_without_length(what: dict[str, Any]) -> None:
+    corners = {"a": [0, 0], "b": [200, 0], "e": [200, 0], "c": [200, 400], "d": [0, 400]}
+    edges = [{"name": "none" if name == "be" else name, "from": name[0], "to": name[1]} for name in ("ab", "be", "ec", "cd", "da")]
+    with pytest.raises(SpecError, match="edge 'none' has no length from 'b' to 'e'") as caught:
+        panel(points=corners, edges=edges, **what)
+    assert caught.value.key == f"panels.p.{next(iter(what))}.0.at"

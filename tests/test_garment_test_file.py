@@ -129,6 +129,14 @@ def test_what_is_no_garment_test(tmp_path: Path) -> None:
     assert caught.value.key == "tests.worn.report.x.1"
 
 
+@pytest.mark.parametrize("name", [ENDING, f"..{ENDING}"])
+def test_a_file_name_that_is_no_name_of_a_test(name: str, tmp_path: Path) -> None:
+    """Results of a test go into a folder of its name."""
+    (tmp_path / name).write_text("schema: 1\nspec: flared-skirt\nreport: {self_intersections: 0}\n")
+    with pytest.raises(SpecError, match="is no name"):
+        read_garment_tests(tmp_path / name)
+
+
 def test_references_stay_in_the_folder(tmp_path: Path) -> None:
     (tmp_path / "in").mkdir()
     band_spec(tmp_path)

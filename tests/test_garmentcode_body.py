@@ -73,3 +73,8 @@ def test_refused(change: dict[str, object], key: str, says: str, tmp_path: Path)
 def test_missing(tmp_path: Path) -> None:
     with pytest.raises(MannequinError, match="waist, hips, head_l, waist_line"):
         mannequin_of_body({"body": {"bust": 99.0, "height": 170.0}})
+
+
+def test_what_stands_beside_the_body_is_refused() -> None:
+    with pytest.raises(MannequinError, match="'pose' is not a key of GarmentCode's measurements; allowed: body"):
+        mannequin_of_body({"body": MEAN, "pose": {"arm": 45}})

@@ -158,3 +158,14 @@ def test_folder_and_missing_file_are_refused(tmp_path: Path) -> None:
     for path in (tmp_path, tmp_path / "none.csv"):
         with pytest.raises(FileError):
             read_kes_csv(path)
+
+
+def test_a_fabric_without_a_value_is_reported(tmp_path: Path) -> None:
+    result = read(tmp_path, "name;property;warp;weft\nA;B;0.1;0.05\nB;T0;-;\nB;B;;\n")
+    assert [sheet.name for sheet in result.sheets] == ["A"]
+    assert [str(finding) for finding in result.findings] == ["warning: line 3, fabric 'B': no value in its rows; it is left out"]
+
+
+def test_a_table_of_which_nothing_is_understood_says_why(tmp_path: Path) -> None:
+    with pytest.raises(FileError, match=r"no fabric below the header on line 1; line 2, warp of 'W': not understood; '11' is not used; line 2, weft"):
+        read(tmp_path, "property;warp;weft\nW;11;12\n")

@@ -208,6 +208,33 @@ def test_of_a_scan_without_its_crown_or_with_hair_over_its_neck_is_said(tmp_path
     assert note.startswith("no neck is seen below the head, as where hair lies over it")
 
 
+@pytest.mark.parametrize("degrees", [60.0, 85.0, 95.0])
+def test_scan_with_raised_arms_is_refused(degrees):
+    """Above 80 degrees from hanging the planes that part arms from the trunk no longer do."""
+    known, side = read_mannequin("woman-88"), np.sign(read_mannequin("woman-88").vertices[:, 0])
+    turn = np.radians(degrees - known.rig.arm_angle_deg) * known.rig.arm * side
+    around = known.rig.joints["shoulder"][:2] * np.stack([side, np.ones_like(side)], axis=1)
+    x, y = (known.vertices[:, :2] - around).T
+    raised = known.vertices.copy()
+    raised[:, 0] = around[:, 0] + np.cos(turn) * x - np.sin(turn) * y
+    raised[:, 1] = around[:, 1] + np.sin(turn) * x + np.cos(turn) * y
+    if degrees < 80.0:
+        made = mannequin_of_scan(raised, known.faces, name="arms")
+        assert made.measurements_mm["top_arm"] == pytest.approx(known.measurements_mm["top_arm"], abs=5.0)
+    else:
+        with pytest.raises(MannequinError, match="arm is raised"):
+            mannequin_of_scan(raised, known.faces, name="arms")
+
+
+def test_a_scan_is_not_read_through_a_link_that_leads_out(tmp_path):
+    (tmp_path / "in").mkdir()
+    trimesh.creation.icosphere().export(tmp_path / "secret.obj")
+    (tmp_path / "in" / "body.obj").symlink_to(tmp_path / "secret.obj")
+    (tmp_path / "in" / "anna.yaml").write_text("schema: 1\nunits: mm\nscan: body.obj\n")
+    with pytest.raises(FileError, match="leads out of"):
+        read_mannequin(tmp_path / "in" / "anna.yaml")
+
+
 def test_scan_that_is_no_body_is_refused(tmp_path):
     path = tmp_path / "egg.obj"
     trimesh.creation.icosphere(subdivisions=3, radius=0.8).export(path)
@@ -221,6 +248,7 @@ BAD = {
     "schema of a truth": (GOOD.replace("schema: 1", "schema: true"), "schema"),
     "units": (GOOD.replace("mm", "cm"), "units"),
     "kind": (GOOD.replace("woman", "cat"), "kind"),
+    "kinds": (GOOD.replace("woman", "[woman]"), "is not a kind of body"),
     "unknown key": (GOOD + "colour: red\n", "colour"),
     "unknown measurement": (GOOD.replace("waist", "waste"), "did you mean 'waist'"),
     "no bust": (GOOD.replace("bust: 880, ", ""), "bust"),

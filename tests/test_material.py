@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from garmentcad.errors import FabricError
 from garmentcad.fabric.law_tension import loading
 from garmentcad.fabric.material import MaterialRow, MaterialTable, material_row, material_table
 from garmentcad.fabric.missing import complete
+from garmentcad.fabric.quantity import KEYS
 from garmentcad.fabric.sheet import KesSheet, sheet_from, sheet_sha256
 
 DATA: dict[str, Any] = {
@@ -91,6 +93,22 @@ def test_factors_that_are_refused(factors: dict[str, Any]) -> None:
         material_row(completed(), factors)
 
 
+UNREAD = {key for key in KEYS if key.partition(".")[0] in ("WT", "Tm", "MIU", "MMD", "SMD", "LC", "WC", "RC") or key.endswith(".mean")} - {"MIU.mean"}
+
+
+@pytest.mark.parametrize("key", [key for key in KEYS if key not in UNREAD])
+def test_a_factor_on_what_the_laws_read_moves_something(key: str) -> None:
+    """The sheet's bending and its hysteresis are such that those of the bias move the twist."""
+    sheet = completed(B={"warp": 0.12, "weft": 0.08, "bias": 0.09}, **{"2HB": {"warp": 0.03, "weft": 0.03, "bias": 0.05}})
+    assert material_row(sheet, {key: 1.1}) != material_row(sheet)
+
+
+@pytest.mark.parametrize("key", sorted(UNREAD))
+def test_a_factor_on_what_no_law_reads_is_refused(key: str) -> None:
+    with pytest.raises(FabricError, match=rf"no law reads {re.escape(key)}; a factor may be on W, Fm, LT, EMT, RT, G"):
+        material_row(completed(), {key: 1.1})
+
+
 def test_more_resilience_than_all_is_refused() -> None:
     assert material_row(completed(), {"RT": 1.6}).tension_friction[0] == pytest.approx(0.02 / (1.0 - 2.0 * 0.28 / 3.0))
     with pytest.raises(FabricError, match="at most 100 %"):
@@ -128,7 +146,7 @@ def test_table_has_the_rows_in_order_as_arrays() -> None:
         material_table([])
 
 
-@pytest.mark.parametrize(("window", "rising"), [([0.5, 5.0], 1.0), ([0.5, 6.5], 0.75), ([5.0, 8.0], 0.0), ([0.0, 1.0], 0.5)])
+@pytest.mark.parametrize(("window", "rising"), [([0.5, 5.0], 1.0), ([0.5, 6.5], 0.75), ([5.0, 8.0], 0.0), ([0.5, 1.0], 1.0)])
 def test_the_slope_holds_as_much_of_friction_as_its_window(window: list[float], rising: float) -> None:
     """H rises from 0.5 to 5 degrees by (1.02 - 0.75)/2 gf/cm."""
     assert material_row(completed(shear_window_deg=window)).shear == pytest.approx((0.5 - rising * 0.03) * 56.1879, rel=1e-5)

@@ -202,3 +202,25 @@ def test_measured_fraction_counts_measurements() -> None:
     assert measured_fraction(sheet(B={"value": 0.1, "estimate": "guess"})) == pytest.approx(1 / len(FILLED))
     assert measured_fraction(sheet(MIU={"warp": 0.2, "weft": 0.2})) == pytest.approx(2 / len(FILLED))
     assert measured_fraction(complete(sheet()).sheet) == pytest.approx(1 / len(FILLED))
+
+
+def test_a_measured_mean_of_the_strain_is_kept_where_the_work_of_both_ways_was_measured() -> None:
+    done = complete(sheet(WT={"warp": 10.0, "weft": 12.0}, EMT=5.0)).sheet
+    assert done.number("EMT.warp") == pytest.approx(5.0 * 10.0 / 11.0)
+    assert 0.5 * (done.number("EMT.warp") + done.number("EMT.weft")) == pytest.approx(5.0)
+    for way in ("warp", "weft"):
+        assert done.number(f"LT.{way}") * 500.0 * done.number(f"EMT.{way}") / 200.0 == pytest.approx(done.number(f"WT.{way}"))
+
+
+def test_a_mean_that_does_not_agree_with_what_follows_from_other_values_is_said() -> None:
+    said = [str(finding) for finding in complete(sheet(WT={"warp": 10.0, "weft": 12.0}, EMT=5.0, LT=0.6)).findings if finding.key == "EMT.mean"]
+    assert said == ["warning: EMT.mean: 5 is not the mean of warp 6.667 and weft 8, which follow from other values"]
+
+
+def test_a_loop_of_shear_that_widens_as_fast_as_it_rises_is_said() -> None:
+    def said(widest: float) -> list[str]:
+        done = complete(sheet_from({**BASE, "G": 0.4, "2HG": 1.0, "2HG5": widest}))
+        return [finding.message for finding in done.findings if finding.key == "2HG5"]
+
+    assert said(4.0) == []  # (4 - 1)/9 leave a sixth of G
+    assert said(5.0) == ["with 2HG = 1 and 2HG5 = 5 friction rises about as fast as G = 0.4; G/10 is left"]

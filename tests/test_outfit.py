@@ -127,6 +127,8 @@ def test_some_seams_are_welded_before_others(folder: Path) -> None:
         (("  - {garment: belt.yaml, fabric: denim}\n", ""), "at least 2 entries are wanted, came 1"),
         (("  - {garment: belt.yaml", "  - {garment: band.yaml}\n" * 5 + "  - {garment: belt.yaml"), "at most 6 entries are wanted, came 7"),
         (("fabric: denim", "fabrik: denim"), "did you mean"),
+        (("fabric: denim", "values: {length: true}"), r"garments\.1\.values\.length"),
+        (("fabric: denim", 'values: {length: "5"}'), r"garments\.1\.values\.length"),
         (("garment: belt.yaml", "garment: ../belt.yaml"), "refused"),
     ],
 )

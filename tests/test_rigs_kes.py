@@ -20,6 +20,7 @@ from garmentcad.rigs.specimen import Specimen
 from garmentcad.rigs.tension import tension_test
 from garmentcad.units import GF_CM2_CM_TO_N_M, GF_CM_DEG_TO_N_M_RAD
 
+WAYS = ("warp", "weft")
 SHEET = load_fabric(fabric_path("wool-suiting")).sheet
 MATERIALS = sheet_materials(SHEET)
 ELASTIC = without_friction(MATERIALS)
@@ -153,6 +154,15 @@ def test_what_is_0_on_the_sheet_has_no_correction_in_percent() -> None:
     elastic = SHEET.with_values({"2HB.warp": KesValue(value=0.0, estimate="elastic")}).model_copy(update={"law": None})
     law = calibration.with_law(elastic, {"2HB.warp": 0.0, "G.warp": 1.01 * SHEET.number("G.warp")})
     assert corrections_percent(law) == pytest.approx({"G.warp": 1.0}, rel=1e-3)
+
+
+def test_a_loop_of_shear_that_narrows_has_the_widths_of_the_sheet() -> None:
+    """2HG5 below 2HG, as on loose knits: friction falls from 0.5 to 5 degrees and never vanishes."""
+    narrow, wide = (1.0, 0.5)
+    sheet = SHEET.with_values({f"{name}.{way}": KesValue(value=value, estimate="made up") for name, value in (("2HG", narrow), ("2HG5", wide)) for way in WAYS})
+    printed = run_tester(KesTester("shear", "warp"), sheet, sheet_materials(sheet), 10.0, sides=1).printed
+    assert printed["2HG.warp"] == pytest.approx(narrow, rel=0.04)
+    assert printed["2HG5.warp"] == pytest.approx(wide, rel=0.04)
 
 
 def test_law_values_go_into_the_file_and_leave_every_other_line_as_it_was(tmp_path) -> None:

@@ -7,6 +7,7 @@ import pytest
 from hand_made import flat, rectangles, tube
 
 from garmentcad.analysis.surface_distance import Surface, surface_distance
+from garmentcad.errors import InputError
 
 
 def test_a_sheet_before_another_and_one_that_is_longer() -> None:
@@ -30,3 +31,9 @@ def test_tubes() -> None:
     assert found.from_first_mm == pytest.approx(200.0 * np.cos(np.pi / 60) - 190.0 * np.cos(np.pi / 60), abs=0.6)
     same = surface_distance(*[Surface(inner, cloth.particle_triangles)] * 2)
     assert (same.rms_mm, same.max_mm) == pytest.approx((0.0, 0.0), abs=1e-9)
+
+
+def test_surfaces_without_area_have_no_distance() -> None:
+    flat = Surface(np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0]]), np.array([[0, 1, 2]], dtype=np.int32))
+    with pytest.raises(InputError, match="area"):
+        surface_distance(flat, flat)

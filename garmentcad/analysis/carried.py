@@ -32,10 +32,11 @@ def carried(cloth: Cloth, placed: np.ndarray, positions: np.ndarray, mannequin: 
         vertices = np.concatenate([cloth.edge_vertices[key] for key in keys])
         drop = M_TO_MM * float((placed[vertices, 1] - positions[cloth.vertex_particle[vertices], 1]).mean())
     apart: dict[str, float | None] = dict.fromkeys(SIDES)
-    for side in SIDES:
-        point = mannequin.landmarks.get(f"shoulder_point_{side}")
-        if point is not None and (keys := roles.get(ARMHOLE)):
-            apart[side] = M_TO_MM * min(_distance(point, positions[cloth.vertex_particle[cloth.edge_vertices[key]]]) for key in keys)
+    armholes = [positions[cloth.vertex_particle[cloth.edge_vertices[key]]] for key in roles.get(ARMHOLE, ())]
+    for side, outward in zip(SIDES, (1.0, -1.0), strict=True):
+        point, mine = mannequin.landmarks.get(f"shoulder_point_{side}"), [line for line in armholes if outward * line[:, 0].mean() > 0.0]
+        if point is not None and mine:
+            apart[side] = M_TO_MM * min(_distance(point, line) for line in mine)
     return Carried(drop, apart)
 
 

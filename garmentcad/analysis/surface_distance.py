@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from garmentcad.analysis.penetration import signed_distances
+from garmentcad.errors import InputError
 from garmentcad.units import M_TO_MM
 
 
@@ -39,6 +40,8 @@ def surface_distance(first: Surface, second: Surface) -> SurfaceDistance:
     there, back = M_TO_MM * np.abs(signed_distances(first.positions, *second)), M_TO_MM * np.abs(signed_distances(second.positions, *first))
     squares = np.concatenate([(apart**2)[surface.triangles].mean(axis=1) for apart, surface in ((there, first), (back, second))])
     areas = np.concatenate([_areas(first), _areas(second)])
+    if not areas.sum() > 0.0:
+        raise InputError("neither surface has an area; a distance of surfaces is a mean over it")
     return SurfaceDistance(there, back, float(np.sqrt(np.average(squares, weights=areas))), float(max(there.max(), back.max())))
 
 

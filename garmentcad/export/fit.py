@@ -57,7 +57,14 @@ def _with_lines(result: Result, lines: Sequence[BodyLine]) -> dict[str, Any]:
             raise InputError(f"the line {line.name} stands twice; each name may stand once", key="lines")
         loops = loops_in_plane(result.cloth, result.state.positions, result.mannequin, line.plane)
         names = ("draped_mm", "pattern_mm", "body_mm", "ease_mm", "pattern_ease_mm")
-        measured[line.name] = {"+".join(loop.parts): {name: getattr(loop, name) for name in names} for loop in loops}
+        found: dict[str, dict[str, float | None]] = {}
+        for loop in loops:
+            own = parts = "+".join(loop.parts)
+            number = 1
+            while own in found:  # a plane may cut a part twice
+                own = f"{parts}_{(number := number + 1)}"
+            found[own] = {name: getattr(loop, name) for name in names}
+        measured[line.name] = found
     return made | {"lines": measured}
 
 

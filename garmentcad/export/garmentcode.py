@@ -21,6 +21,7 @@ from garmentcad.io.atomic import write_atomic
 from garmentcad.io.garmentcode_import import FABRIC, MANNEQUIN, SLEEVE_GRAIN_DEG
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.pattern import Edge, EdgeUse, Panel, Pattern, Seam, Transform
+from garmentcad.placement.place import cylinder_of
 from garmentcad.placement.wrap import wrap_points
 from garmentcad.units import M_TO_MM
 
@@ -169,7 +170,7 @@ def _panel(panel: Panel, mannequin: Mannequin) -> dict[str, Any]:
         row: dict[str, Any] = {"endpoints": [k, (k + 1) % count]}
         if edge.role is not None:
             row["label"] = _LABELS.get(edge.role, edge.role)
-        curvature = _curvature(edge.curve)
+        curvature = _curvature(edge.curve, f"panels.{panel.name}.edges.{edge.name}")
         edges.append(row if curvature is None else row | {"curvature": curvature})
     return {
         "translation": [_cm(value) for value in transform.translation_mm],
@@ -188,9 +189,11 @@ def _is_sleeve(panel: Panel) -> bool:
     return _part(panel).startswith("arm") or any(edge.role == "cuff" for edge in panel.edges)
 
 
-def _curvature(curve: Curve) -> dict[str, Any] | None:
+def _curvature(curve: Curve, key: str) -> dict[str, Any] | None:
     if isinstance(curve, Arc):
         return {"type": "circle", "params": [_cm(curve.radius), int(abs(curve.sweep) > math.pi), int(not curve.clockwise)]}
+    if curve.start == curve.end:
+        raise SpecError(f"the curve ends where it begins, at ({curve.start[0]:g}, {curve.start[1]:g}) mm; GarmentCode tells curves by their chords", key=key)
     if isinstance(curve, Quadratic):
         return {"type": "quadratic", "params": [_relative(curve, curve.control)]}
     if isinstance(curve, Spline):  # a piece between two knots
@@ -218,12 +221,10 @@ def _cm(value: float) -> float:
 def _nearest_plane(panel: Panel, mannequin: Mannequin) -> Transform:
     """The rigid motion that lays the flat panel nearest to where its rule wraps it, by least squares over its outline (Kabsch 1976)."""
     assert not isinstance(panel.placement, Transform)
-    if panel.placement.part not in mannequin.cylinders:
-        message = f"mannequin {mannequin.name} has no part '{panel.placement.part}'; allowed: {', '.join(mannequin.cylinders)}"
-        raise SpecError(message, key=f"panels.{panel.name}.placement.wrap.part")
+    around = cylinder_of(panel.name, panel.placement, mannequin)
     rows = [edge.curve.points_at(np.linspace(0.0, 1.0, math.ceil(edge.curve.length / _SAMPLE_MM) + 1)[:-1]) for edge in panel.edges]
     flat = np.concatenate(rows)
-    wrapped = M_TO_MM * wrap_points(flat, panel.placement, mannequin.cylinders[panel.placement.part])
+    wrapped = M_TO_MM * wrap_points(flat, panel.placement, around)
     flat = np.column_stack([flat, np.zeros(len(flat))])
     middle, target = flat.mean(axis=0), wrapped.mean(axis=0)
     u, _, vt = np.linalg.svd((flat - middle).T @ (wrapped - target))

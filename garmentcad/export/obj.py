@@ -8,8 +8,10 @@ import numpy as np
 
 from garmentcad.arrays import floats, indices
 from garmentcad.cloth.cloth import Cloth
-from garmentcad.errors import MeshError
+from garmentcad.errors import FileError, MeshError
 from garmentcad.io.atomic import write_atomic
+from garmentcad.io.mesh_file import MAX_BYTES
+from garmentcad.io.yaml_file import read_bytes
 from garmentcad.mannequin.mannequin import Mannequin
 
 FARTHEST_M = 1e6  # at the speed at which a run counts as diverged nothing gets there in the longest drape
@@ -57,18 +59,24 @@ def read_garment_obj(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
     vertices: list[list[float]] = []
     faces: list[list[int]] = []
     try:
-        for line in Path(path).read_text(encoding="utf-8").splitlines():
+        for line in read_bytes(path, MAX_BYTES).decode("utf-8").splitlines():
             keyword, *words = line.split() or ["#"]
             if keyword == "v":
                 vertices.append([float(word) for word in words])
             elif keyword == "f":
                 faces.append([int(word.partition("/")[0]) - 1 for word in words])
-        points, corners = floats(vertices).reshape(-1, 3), indices(faces).reshape(-1, 3)
-        if not ((np.abs(points) < FARTHEST_M).all() and len(corners) and corners.min() >= 0 and corners.max() < len(points)):
+        points, corners = floats(vertices), indices(faces)
+        if not (
+            points.shape[1:] == corners.shape[1:] == (3,)
+            and (np.abs(points) < FARTHEST_M).all()
+            and len(corners)
+            and corners.min() >= 0
+            and corners.max() < len(points)
+        ):
             raise ValueError("faces and vertices do not fit together")
-    except FileNotFoundError as error:
-        raise MeshError("no such file", file=str(path)) from error
-    except (OSError, ValueError, IndexError, OverflowError) as error:
+    except FileError as fault:
+        raise MeshError(fault.message, file=str(path)) from None
+    except (ValueError, IndexError, OverflowError) as error:
         raise MeshError(f"is not a garment written by garmentcad ({error})", file=str(path)) from error
     return points, corners
 
@@ -80,7 +88,7 @@ def read_mannequin_obj(path: str | Path) -> Mannequin:
     parts: list[str] = []
     part: list[int] = []
     try:
-        for line in Path(path).read_text(encoding="utf-8").splitlines():
+        for line in read_bytes(path, MAX_BYTES).decode("utf-8").splitlines():
             keyword, *words = line.split() or ["#"]
             if keyword == "v":
                 vertices.append([float(word) for word in words])
@@ -89,11 +97,18 @@ def read_mannequin_obj(path: str | Path) -> Mannequin:
             elif keyword == "f":
                 faces.append([int(word) - 1 for word in words])
                 part.append(len(parts) - 1)
-        points, corners = floats(vertices).reshape(-1, 3), indices(faces).reshape(-1, 3)
-        if not ((np.abs(points) < FARTHEST_M).all() and len(corners) and corners.min() >= 0 and corners.max() < len(points) and min(part) >= 0):
+        points, corners = floats(vertices), indices(faces)
+        if not (
+            points.shape[1:] == corners.shape[1:] == (3,)
+            and (np.abs(points) < FARTHEST_M).all()
+            and len(corners)
+            and corners.min() >= 0
+            and corners.max() < len(points)
+            and min(part) >= 0
+        ):
             raise ValueError("faces, vertices and groups do not fit together")
-    except FileNotFoundError as error:
-        raise MeshError("no such file", file=str(path)) from error
-    except (OSError, ValueError, IndexError, OverflowError) as error:
+    except FileError as fault:
+        raise MeshError(fault.message, file=str(path)) from None
+    except (ValueError, IndexError, OverflowError) as error:
         raise MeshError(f"is not a mannequin written by garmentcad ({error})", file=str(path)) from error
     return Mannequin(Path(path).stem, points, corners, {}, {}, {}, tuple(parts), indices(part))

@@ -16,6 +16,7 @@ from garmentcad.arrays import kernel
 from garmentcad.fabric.internal_friction import dragged
 
 STICK = 10.0  # k/G_e below LOW; above HIGH it is H(HIGH)/H(LOW) times as much, at most 2 STICK; an estimate
+LEAST_ELASTIC = 0.1  # of G: what is left where a sheet's loop widens as fast as it rises
 _LOW_DEG, _HIGH_DEG = 0.5, 5.0
 LOW, HIGH = math.radians(_LOW_DEG), math.radians(_HIGH_DEG)
 
@@ -24,6 +25,11 @@ def rising_share(low_deg: float, high_deg: float) -> float:
     """Share of a window of angles, degrees, on which H rises: all of the tester's 0.5 to 2.5."""
     rising = min(max(high_deg, _LOW_DEG), _HIGH_DEG) - min(max(low_deg, _LOW_DEG), _HIGH_DEG)
     return rising / (high_deg - low_deg)
+
+
+def elastic_slope(slope: float, narrow: float, wide: float, window_deg: tuple[float, float]) -> float:
+    """G_e from G, 2HG and 2HG5 [gf/(cm deg), gf/cm] or in other units that go with degrees, at least LEAST_ELASTIC of G."""
+    return max(slope - rising_share(*window_deg) * (wide - narrow) / (2.0 * math.degrees(HIGH - LOW)), LEAST_ELASTIC * slope)
 
 
 def stick_way(low: float, high: float, stiffness: float) -> float:

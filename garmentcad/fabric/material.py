@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
@@ -20,7 +19,6 @@ from garmentcad.units import GF_CM2_CM_TO_N_M, GF_CM_CM_TO_N, GF_CM_DEG_TO_N_M_R
 BODY_FRICTION = 1.0  # times MIU; both factors are estimates: MIU is measured against a steel wire
 CLOTH_FRICTION = 1.3
 STRAIN_LIMIT_FORCE = 1.5  # times Fm
-LEAST_ELASTIC_SHEAR = 0.1  # of G: what is left where a sheet's loop widens as fast as it rises
 
 
 class MaterialTable(NamedTuple):
@@ -84,8 +82,7 @@ def material_row(sheet: KesSheet, factors: Mapping[str, float] | None = None, in
     bend_warp, bend_weft = (stiffness * GF_CM2_CM_TO_N_M for stiffness in both("B"))
     hold_warp, hold_weft, hold_bias = (0.5 * value(f"2HB.{way}") * GF_CM_CM_TO_N for way in ("warp", "weft", "bias"))
     slope, narrow, wide = (0.5 * sum(both(name)) for name in ("G", "2HG", "2HG5"))
-    rise = law_shear.rising_share(*sheet.shear_window_deg) * (wide - narrow) / (2.0 * math.degrees(law_shear.HIGH - law_shear.LOW))
-    elastic = max(slope - rise, LEAST_ELASTIC_SHEAR * slope) * GF_CM_DEG_TO_N_M_RAD
+    elastic = law_shear.elastic_slope(slope, narrow, wide, sheet.shear_window_deg) * GF_CM_DEG_TO_N_M_RAD
     low, high = 0.5 * narrow * GF_CM_TO_N_M, 0.5 * wide * GF_CM_TO_N_M
     resilience = both("RT")
     if max(resilience) > 100.0:

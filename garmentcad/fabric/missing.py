@@ -11,17 +11,19 @@ ranges of measured suitings and denims. `tools/rule_study.py` holds every rule a
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from typing import NamedTuple
 
 from garmentcad.errors import FabricError
 from garmentcad.fabric.finding import Finding, Severity
+from garmentcad.fabric.law_shear import LEAST_ELASTIC, elastic_slope
 from garmentcad.fabric.law_tension import least_resilience, solve_exponent
 from garmentcad.fabric.quantity import QUANTITIES, quantity_of
 from garmentcad.fabric.sheet import KesSheet, KesValue, is_calibrated
 
 USUAL_FM = 500.0  # gf/cm, to which the tester pulls where a sheet names no Fm
 SELF_CHECK = 0.03  # WT against LT Fm EMT/200
+_APART = 0.05  # a mean against that of warp and weft
 
 
 class Rule(NamedTuple):
@@ -91,6 +93,7 @@ def _rules() -> Iterator[Rule]:
         _from("LT", "WT.WAY EMT.WAY Fm", from_energy, "200 WT/(Fm EMT)", "info"),
         *_means("LT"),
         _from("LT", "WT.mean EMT.mean Fm", from_energy, "200 WT/(Fm EMT) of the means", "info"),
+        _from("LT", "WT.WAY WT.OTHER EMT.mean Fm", lambda wt, other, emt, fm: 100.0 * (wt + other) / (fm * emt), "200 mean WT/(Fm EMT.mean)", "info"),
         _other("LT"),
         _default("LT", 0.65, "0.65, between suitings (0.5 to 0.6) and denims (0.65 to 0.78)", "info"),
         _from("EMT", "WT.WAY LT.WAY Fm", from_energy, "200 WT/(LT Fm)", "info"),
@@ -157,6 +160,7 @@ def complete(sheet: KesSheet) -> Completed:
         filled[rule.key] = KesValue(value=number, estimate=rule.text)
         unit = "" if quantity.unit == "-" else f" {quantity.unit}"
         findings.append(Finding(rule.severity, rule.key, f"missing; taken as {number:.4g}{unit}: {rule.text}"))
+    findings += _strained(numbers, filled, sheet.shear_window_deg)
     for way in ("warp", "weft"):
         least = 100.0 * least_resilience(solve_exponent(numbers[f"LT.{way}"]))
         if numbers[f"RT.{way}"] < least:
@@ -165,6 +169,17 @@ def complete(sheet: KesSheet) -> Completed:
     if done.law is not None and not is_calibrated(done):
         findings.append(Finding("warning", "law", "the calibrated law belongs to other numbers of this sheet and is not used; calibrate again"))
     return Completed(done, tuple(findings), frozenset(filled))
+
+
+def _strained(numbers: Mapping[str, float], filled: Mapping[str, KesValue], window_deg: tuple[float, float]) -> Iterator[Finding]:
+    """Where what was filled does not agree with what was given, or the laws cannot have both."""
+    for name in dict.fromkeys(key.partition(".")[0] for key in filled):
+        warp, weft, mean = (numbers.get(f"{name}.{way}") for way in ("warp", "weft", "mean"))
+        if warp is not None and weft is not None and mean is not None and f"{name}.mean" not in filled and abs(mean - (warp + weft) / 2) > _APART * mean:
+            yield Finding("warning", f"{name}.mean", f"{mean:g} is not the mean of warp {warp:.4g} and weft {weft:.4g}, which follow from other values")
+    slope, narrow, wide = (0.5 * (numbers[f"{name}.warp"] + numbers[f"{name}.weft"]) for name in ("G", "2HG", "2HG5"))
+    if elastic_slope(slope, narrow, wide, window_deg) <= LEAST_ELASTIC * slope:
+        yield Finding("warning", "2HG5", f"with 2HG = {narrow:g} and 2HG5 = {wide:g} friction rises about as fast as G = {slope:g}; G/10 is left")
 
 
 def noticed(sheet: KesSheet) -> list[Finding]:
@@ -213,7 +228,7 @@ def _contradictions(sheet: KesSheet) -> Iterator[Finding]:
             yield Finding("warning", "WT.mean", message)
     for quantity in QUANTITIES.values():
         warp, weft, mean = (numbers.get(f"{quantity.name}.{way}") for way in ("warp", "weft", "mean"))
-        if warp is not None and weft is not None and mean is not None and abs(mean - (warp + weft) / 2) > 0.05 * mean:
+        if warp is not None and weft is not None and mean is not None and abs(mean - (warp + weft) / 2) > _APART * mean:
             yield Finding("warning", f"{quantity.name}.mean", f"{mean:g} is not the mean of warp {warp:g} and weft {weft:g}; warp and weft are used")
     for small, large in (("2HG", "2HG5"), ("Tm", "T0")):
         for way in ("", ".warp", ".weft", ".mean"):

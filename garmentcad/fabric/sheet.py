@@ -21,7 +21,7 @@ from garmentcad.schema_version import SchemaVersion
 
 SHEAR_WINDOW_DEG = (0.5, 2.5)
 SHEARED_DEG = 8.0  # how far KES-FB1 shears
-_PAIR = f"a rising pair from 0 to {SHEARED_DEG:g} is allowed, such as {list(SHEAR_WINDOW_DEG)}"
+_PAIR = f"a rising pair from {SHEAR_WINDOW_DEG[0]:g} to {SHEARED_DEG:g} is allowed, such as {list(SHEAR_WINDOW_DEG)}; nearer 0 friction is still being drawn"
 _Number = Annotated[float, Field(strict=True)]  # neither true nor a number in quotes
 
 
@@ -114,7 +114,7 @@ class KesSheet(_Model):
     @model_validator(mode="after")
     def _values_are_possible(self) -> KesSheet:
         low, high = self.shear_window_deg
-        if not 0.0 <= low < high <= SHEARED_DEG:
+        if not SHEAR_WINDOW_DEG[0] <= low < high <= SHEARED_DEG:
             raise FabricError(f"{low:g} to {high:g} degrees came; {_PAIR}", key="shear_window_deg")
         for key, value in self.values().items():
             low, high = quantity_of(key).possible
@@ -197,7 +197,7 @@ def sheet_data(sheet: KesSheet) -> dict[str, Any]:
 
     def short(entry: Any) -> Any:
         if isinstance(entry, dict):
-            return entry["value"] if set(entry) == {"value"} else {key: short(value) for key, value in entry.items()}
+            return entry["value"] if set(entry) == {"value"} and not isinstance(entry["value"], str) else {key: short(value) for key, value in entry.items()}
         return entry
 
     data = sheet.model_dump(by_alias=True, exclude_none=True, exclude={"law"})

@@ -104,7 +104,7 @@ class ShearCurves(NamedTuple):
 def shear_curves(materials: MaterialTable, rows: np.ndarray) -> ShearCurves:
     """The curves of rows (N,) of a material table."""
     low, rise = stick_coefficients(materials.shear_friction[rows], materials.shear_way[rows])
-    return ShearCurves(np.array(materials.shear[rows]), low, rise, np.where(low + rise > 0.0, materials.shear_way[rows], 0.0))
+    return ShearCurves(np.array(materials.shear[rows]), low, rise, np.where(np.maximum(low, rise) > 0.0, materials.shear_way[rows], 0.0))
 
 
 @entry

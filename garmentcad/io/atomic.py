@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import stat
 import threading
 from collections.abc import Callable
 from contextlib import suppress
@@ -16,8 +17,8 @@ def write_atomic(path: str | Path, content: bytes | str | Callable[[BinaryIO], N
     """Write `content` to a temporary name in the same folder, fsync it, and rename it to `path`.
 
     content: bytes, text (stored as UTF-8), or a function that writes into the open binary file it is given. If the function raises, the file that
-    stood at `path` stays as it was and nothing is left beside it. Missing folders are made. Raises FileError where the folder cannot be written
-    and for a path that names no file.
+    stood at `path` stays as it was and nothing is left beside it; else the new one has the permissions of the old. Missing folders are made. Raises
+    FileError where the folder cannot be written and for a path that names no file.
     """
     path = Path(path)
     if not path.name:
@@ -26,6 +27,8 @@ def write_atomic(path: str | Path, content: bytes | str | Callable[[BinaryIO], N
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with open(temporary, "wb") as file:
+            with suppress(FileNotFoundError):
+                os.fchmod(file.fileno(), stat.S_IMODE(path.stat().st_mode))
             if isinstance(content, str):
                 file.write(content.encode("utf-8"))
             elif isinstance(content, bytes):

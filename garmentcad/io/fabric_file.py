@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 from typing import Any
 
-from garmentcad.errors import FabricError, InputError
+from garmentcad.errors import FabricError, FileError, InputError
 from garmentcad.fabric.finding import Finding
 from garmentcad.fabric.missing import Completed, complete
 from garmentcad.fabric.sheet import CalibratedLaw, KesSheet, sheet_data, sheet_from
@@ -15,10 +15,12 @@ from garmentcad.io.arguments import refuse_unnamed
 from garmentcad.io.atomic import write_atomic
 from garmentcad.io.kes_csv import read_kes_csv
 from garmentcad.io.shipped import shipped_file, shipped_names
-from garmentcad.io.yaml_file import read_yaml
+from garmentcad.io.yaml_file import parse_yaml, read_yaml
 from garmentcad.pattern.parse import shown
 
 _PLAIN = re.compile(r"[A-Za-z][A-Za-z0-9_]*|2HG5?|2HB")
+_LAW = re.compile(r"""law\s*:|"law"\s*:|'law'\s*:""")  # the line at which a law begins
+_UNSEEN = re.compile("[\x7f-\x9f\u2028\u2029\ufeff\ufffe\uffff]")  # what YAML takes for line ends or refuses is written by its number
 
 
 def fabric_path(name_or_file: str | Path) -> Path:
@@ -75,16 +77,27 @@ def write_fabric(sheet: KesSheet, path: str | Path) -> Path:
 
 
 def write_law(path: str | Path, law: CalibratedLaw) -> Path:
-    """Put `law` into a YAML fabric file in place of one that stands there; every other line stays as it was typed. FileError where it cannot be written,
-    FabricError for a file that is no YAML fabric."""
-    sheet_from(read_yaml(path), str(path))
+    """Put `law` into a YAML fabric file in place of one that stands there; every other line stays as it was typed. FileError where it cannot be written, or
+    where the file is laid out so that lines cannot be put into it; FabricError for a file that is no YAML fabric."""
+    path = Path(path).resolve()  # a link stays one
+    wanted = sheet_from(read_yaml(path), str(path)).model_copy(update={"law": law})
+    typed = path.read_bytes().decode("utf-8")
+    end = "\r\n" if "\r\n" in typed else "\n"
     kept, inside = [], False
-    for line in Path(path).read_text(encoding="utf-8").splitlines():
+    for line in typed.split(end):
         if line.strip() and not line.startswith((" ", "\t", "#", "}")):
-            inside = line.startswith("law:")
-        if not inside:
+            inside = _LAW.match(line) is not None
+        if not inside or line.lstrip().startswith("#"):
             kept.append(line)
-    text = "\n".join([*kept, *_lines({"law": law.model_dump()}, "")]) + "\n"
+    while kept and not kept[-1]:
+        kept.pop()
+    text = end.join([*kept, *_lines({"law": law.model_dump()}, ""), ""])
+    try:
+        read = sheet_from(parse_yaml(text.removeprefix("\ufeff"), str(path)), str(path))
+    except (FileError, FabricError):
+        read = None
+    if read != wanted:
+        raise FileError("has no room for a law: write its keys at the start of their lines, one below the other, and nothing behind them", file=str(path))
     return write_atomic(path, text)
 
 
@@ -92,7 +105,7 @@ def _lines(data: dict[str, Any], indent: str) -> list[str]:
     """YAML by hand, so that a value and its source stay on one line as people write them. JSON scalars are YAML scalars."""
     lines: list[str] = []
     for key, entry in data.items():
-        if isinstance(entry, dict) and "value" not in entry:
+        if isinstance(entry, dict) and isinstance(entry.get("value", ""), str):
             lines += [f"{indent}{_key(key)}:", *_lines(entry, indent + "  ")]
         elif isinstance(entry, dict):
             lines.append(f"{indent}{_key(key)}: {{{', '.join(f'{_key(name)}: {_scalar(value)}' for name, value in entry.items())}}}")
@@ -106,4 +119,4 @@ def _key(key: str) -> str:
 
 
 def _scalar(value: Any) -> str:
-    return json.dumps(value, ensure_ascii=False)
+    return _UNSEEN.sub(lambda found: f"\\u{ord(found[0]):04x}", json.dumps(value, ensure_ascii=False))

@@ -58,7 +58,10 @@ def read_garment_tests(path: Path) -> list[GarmentTestCase]:
     if "schema" not in data:
         raise SpecError("this key is missing; the first line of a garment test is `schema: 1`", file=file, key="schema")
     test = parse_model(GarmentTestFile, data, file)
-    return [GarmentTestCase(path.name.removesuffix(ENDING).removesuffix(path.suffix), path, _resolved(test.spec, "patterns", path), test)]
+    name = path.name.removesuffix(ENDING).removesuffix(path.suffix)
+    if not name.strip("."):
+        raise SpecError(f"a garment test has the name of its file before {ENDING}; {name!r} is no name", file=file)
+    return [GarmentTestCase(name, path, _resolved(test.spec, "patterns", path), test)]
 
 
 def distinct_names(cases: Sequence[GarmentTestCase]) -> list[str]:

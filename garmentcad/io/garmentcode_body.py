@@ -50,6 +50,9 @@ def mannequin_of_body(data: dict[str, Any]) -> dict[str, Any]:
     What GarmentCode measures in its own way (widths of the back, bust line, inclinations) follows this program's rules. The file does not say whether the
     body is a woman's or a man's: a woman's where the hips are larger than the bust, an estimate.
     """
+    for name in data:
+        if name != "body":
+            raise MannequinError(f"{name!r} is not a key of GarmentCode's measurements; allowed: body")
     body = data["body"]
     for name, value in body.items():
         if name not in (*_USED, *_UNUSED) and not name.startswith("_"):  # GarmentCode derives those with an underscore from the others

@@ -42,6 +42,9 @@ class FabricValues(NamedTuple):
     line: int
 
 
+_SAID = 3  # findings in the message of a table without a fabric
+
+
 def read_kes_csv(path: str | Path, source: str | None = None) -> KesCsv:
     """Sheets of a CSV file. source: who measured them, where the file has no such column; otherwise the file's name and line stand as the source.
 
@@ -62,7 +65,8 @@ def fabric_values(table: CsvTable, file: str, quantities: Mapping[str, Quantity]
     reader = _ByValue if any(_plain(cell) in _PARAMETER for cell in table.header[1]) else _ByFabric
     fabrics = reader(file, quantities, table.findings).read(table.header, table.rows)
     if not fabrics:
-        raise FileError(f"no fabric below the header on line {table.header[0]}", file=file)
+        why = "".join(f"; {finding.key}: {finding.message}" for finding in table.findings[:_SAID])
+        raise FileError(f"no fabric below the header on line {table.header[0]}{why}", file=file)
     return fabrics
 
 
@@ -199,4 +203,7 @@ class _ByValue(_Reader):
                 if number is not None:
                     known[label.key] = number
                     lines.setdefault(fabric, {})[label.key] = line
+        for fabric, known in values.items():
+            if not known:
+                self.skip(first[fabric], f"fabric {fabric[:60]!r}", "no value in its rows; it is left out")
         return [FabricValues(texts[fabric], known, lines[fabric], first[fabric]) for fabric, known in values.items() if known]

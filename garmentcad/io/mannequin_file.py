@@ -16,7 +16,7 @@ from garmentcad.errors import FileError, MannequinError, did_you_mean
 from garmentcad.io.arguments import refuse_unnamed
 from garmentcad.io.garmentcode_body import is_garmentcode_body, mannequin_of_body
 from garmentcad.io.mesh_file import MESH_ENDINGS, read_mesh
-from garmentcad.io.shipped import shipped_file, shipped_folder, shipped_names
+from garmentcad.io.shipped import resolve_reference, shipped_file, shipped_folder, shipped_names
 from garmentcad.io.yaml_file import read_yaml
 from garmentcad.mannequin.human import KINDS, HumanModel
 from garmentcad.mannequin.make import make_mannequin
@@ -39,7 +39,7 @@ class ScanSpec(Model):
     scan: Annotated[str, Field(pattern=r"^[^/\\]+\.(obj|ply|stl|glb)$")]
     description: str = ""
     unit: Literal["m", "dm", "cm", "inch", "mm"] | None = None
-    heights: dict[BodyLine, float] = Field(default_factory=dict)
+    heights: dict[BodyLine, Annotated[float, Field(strict=True)]] = Field(default_factory=dict)
 
 
 _KEYS = {"schema", "units", "kind", "description", "source", "measurements", "arm_angle", "shoulder_pads", "form"}
@@ -95,7 +95,7 @@ def _read(path: Path, text: str) -> Mannequin:
 
 def _scanned(spec: ScanSpec, file: str) -> Mannequin:
     try:
-        vertices, faces, notes = read_mesh(Path(file).parent / spec.scan, spec.unit)
+        vertices, faces, notes = read_mesh(resolve_reference(spec.scan, "mannequins", Path(file).parent), spec.unit)
         return mannequin_of_scan(vertices, faces, name=Path(file).stem, heights_mm=spec.heights, repairs=notes)
     except MannequinError as fault:
         raise MannequinError(fault.message, file=file, key=fault.key) from None
@@ -123,7 +123,7 @@ def checked_spec(data: Any, file: str) -> dict[str, Any]:
     for key, wanted in (("schema", 1), ("units", "mm")):
         if as_written(data.get(key)) != wanted:
             raise MannequinError(f"{data.get(key)!r} is refused; allowed: {wanted}", file=file, key=key)
-    if data.get("kind") not in KINDS:
+    if not isinstance(data.get("kind"), str) or data["kind"] not in KINDS:
         raise MannequinError(f"{data.get('kind')!r} is not a kind of body; allowed: {', '.join(KINDS)}", file=file, key="kind")
     if not isinstance(data.get("measurements"), dict):
         raise MannequinError("a mapping of measurement names to mm is wanted", file=file, key="measurements")

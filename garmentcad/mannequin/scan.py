@@ -177,7 +177,10 @@ def _parts(points: np.ndarray, faces: np.ndarray, marks: dict[str, np.ndarray]) 
     ]
     for side, sign in (("left", 1.0), ("right", -1.0)):
         tip, pit, wrist = (sign * marks[f"{name}_{side}"][0] for name in ("shoulder_point", "armpit", "wrist"))
-        heights = [marks[f"{name}_{side}"][1] for name in ("wrist", "armpit", "shoulder_point")]
+        heights = [float(marks[f"{name}_{side}"][1]) for name in ("wrist", "armpit", "shoulder_point")]
+        if not heights[0] < heights[1] < heights[2]:
+            came = ", ".join(f"{name} at {height:.2f} m" for name, height in zip(("wrist", "armpit", "shoulder"), heights))
+            raise MannequinError(f"its {side} arm is raised ({came}); arms that hang, away from the body, are wanted")
         limit = np.interp(centre[:, 1], heights, [0.6 * wrist + 0.4 * pit, pit, tip])
         part[(sign * centre[:, 0] > limit) & (centre[:, 1] < marks[f"shoulder_point_{side}"][1] + 0.05)] = PART_NAMES.index(f"arm_{side}")
     return part

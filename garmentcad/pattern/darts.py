@@ -22,7 +22,10 @@ def find_edge(edges: Sequence[Edge], name: str, key: str) -> int:
 
 
 def place_fraction(place: Place, edge: Edge, scope: Scope, key: str) -> float:
-    """Arc-length fraction of a place on an edge in the direction as drawn."""
+    """Arc-length fraction of a place on an edge in the direction as drawn. SpecError for one that does not lie on it, and for an edge without length."""
+    length = edge.curve.length
+    if length == 0.0:
+        raise SpecError(f"edge {edge.name!r} has no length from {edge.start!r} to {edge.end!r}; nothing has a place on it", key=key)
     if not isinstance(place, Distance):
         try:
             return scope.number(place, key, 0.0, 1.0)
@@ -31,7 +34,6 @@ def place_fraction(place: Place, edge: Edge, scope: Scope, key: str) -> float:
             raise SpecError(f"{fault.message}, a fraction of the edge; a distance is {{mm: {said}, from: {edge.start}}}", key=key) from None
     if place.start not in (edge.start, edge.end):
         raise SpecError(f"edge {edge.name!r} runs from {edge.start!r} to {edge.end!r}; came {place.start!r}", key=f"{key}.from")
-    length = edge.curve.length
     distance = scope.number(place.mm, f"{key}.mm", 0.0, length)
     return distance / length if place.start == edge.start else 1.0 - distance / length
 

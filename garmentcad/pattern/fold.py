@@ -113,11 +113,18 @@ def meeting(curve: Curve, drawn: np.ndarray, a: np.ndarray, b: np.ndarray) -> li
         x, y = curve.points_at(at)[0] - a
         return float(along[0] * y - along[1] * x)
 
+    def crossing(low: float, high: float) -> float:
+        """Points that are drawn one by one may round otherwise than all together: an end at which it meets the line then lies on the other side."""
+        first, second = beside(low), beside(high)
+        if first * second < 0.0:
+            return float(brentq(beside, low, high))
+        return low if abs(first) < abs(second) else high
+
     x, y = (drawn - a).T
     side = along[0] * y - along[1] * x
     if np.all(np.abs(side) < _SAME_MM):
         return []  # it runs along the line
     found = [float(at) for at in _SAMPLED[side == 0.0]]
-    found += [float(brentq(beside, _SAMPLED[k], _SAMPLED[k + 1])) for k in np.flatnonzero(side[:-1] * side[1:] < 0.0)]
+    found += [crossing(float(_SAMPLED[k]), float(_SAMPLED[k + 1])) for k in np.flatnonzero(side[:-1] * side[1:] < 0.0)]
     reach = product(np.array([curve.points_at(at)[0] for at in found]).reshape(-1, 2) - a, along)
     return sorted(at for at, way in zip(found, reach) if -_SAME_MM <= way <= math.dist(a, b) + _SAME_MM)

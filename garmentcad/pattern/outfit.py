@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Literal, TypeVar
+from typing import Annotated, Literal, TypeVar
 
 from pydantic import Field, PrivateAttr
 
@@ -20,7 +20,7 @@ class WornSpec(Model):
 
     garment: str
     fabric: str | None = None
-    values: dict[Variable, float] = {}
+    values: dict[Variable, Annotated[float, Field(strict=True)]] = {}
 
 
 class OutfitSpec(Model):

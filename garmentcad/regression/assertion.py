@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from fnmatch import fnmatchcase
 from typing import Any
 
 from garmentcad.errors import SpecError, did_you_mean
@@ -61,8 +61,13 @@ def _meant(node: Any, names: list[str]) -> Iterator[tuple[str, Any, int]]:
     if isinstance(node, Mapping):
         for name, value in node.items():
             for taken in range(1, min(len(names), 1 + name.count(".")) + 1):
-                if fnmatchcase(name, ".".join(names[:taken])):
+                if _like(name, ".".join(names[:taken])):
                     yield name, value, taken
+
+
+def _like(name: str, wanted: str) -> bool:
+    """Whether a name is the wanted one, in which ANY stands for any text."""
+    return re.fullmatch(".*".join(map(re.escape, wanted.split(ANY))), name, re.DOTALL) is not None
 
 
 def means(reports: Sequence[Mapping[str, Any]], key: str) -> dict[str, Any]:

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from garmentcad.fabric.law_shear import elastic_slope
 from garmentcad.fabric.law_tension import solve_exponent
 from garmentcad.fabric.sheet import KesSheet
 from garmentcad.rigs.kes import KesTester
@@ -26,7 +27,7 @@ def sheet_curves(sheet: KesSheet, tester: KesTester, largest: float) -> tuple[Br
     if tester.kind == "shear":
         narrow, wide = sheet.number(f"2HG.{tester.way}"), sheet.number(f"2HG5.{tester.way}")
         half = 0.5 * np.interp(np.abs(across), [0.5, 5.0], [narrow, wide])
-        elastic = (sheet.number(f"G.{tester.way}") - (wide - narrow) / 9.0) * across
+        elastic = elastic_slope(sheet.number(f"G.{tester.way}"), narrow, wide, sheet.shear_window_deg) * across
     else:
         half = np.full_like(across, 0.0 if tester.way == "bias" else 0.5 * sheet.number(f"2HB.{tester.way}"))  # the bias is tested without friction
         elastic = sheet.number(f"B.{tester.way}") * across
