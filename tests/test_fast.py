@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from test_cantilever import slid_by_shooting
 from tester_records import loading
 
 from garmentcad.errors import FabricError
-from garmentcad.fabric.fast import fit_fast
+from garmentcad.fabric.fast import doubtful, fit_fast
 from garmentcad.fabric.fitted import FittedValue
 
 # A plain weave, 100 % wool, 168 g/m2, FAST report of a student laboratory (bartleby.com and majortests.com, "Fabric Assurance by Simple Testing"): readings,
@@ -130,3 +131,14 @@ def test_readings_that_are_equal_within_their_tenth_are_taken() -> None:
 
 def test_one_extension_gives_its_strain_and_no_linearity() -> None:
     assert [value.key for value in fit_fast({"E100.mean": 5.0})] == ["EMT.mean", "Fm"]
+
+
+def test_extensions_that_no_curve_meets_are_said() -> None:
+    def said(*strains: float) -> list[str]:
+        return [str(finding) for finding in doubtful({f"{name}.warp": value for name, value in zip(("E5", "E20", "E100"), strains)})]
+
+    assert said(0.5, 1.5, 4.0) == []
+    (missed,) = said(0.1, 4.5, 4.6)
+    assert re.match(r"warning: EMT.warp: no curve of a tensile tester goes through E5 0.1 %, E20 4.5 %, E100 4.6 %: it misses one by [12]\.\d+ %", missed)
+    assert any(one.startswith("warning: LT.warp: E5 3 %, E20 3 %, E100 3 % ask for an LT beyond") for one in said(3.0, 3.0, 3.0))
+    assert any(one.startswith("warning: LT.warp") for one in said(0.01, 0.1, 4.6))

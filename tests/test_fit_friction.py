@@ -159,3 +159,30 @@ def test_a_flat_curve_in_coarse_steps_of_force_is_not_clipped() -> None:
     top = np.flatnonzero(y[:81] == y[:81].max())
     assert np.ptp(x[top]) > 0.05 * np.ptp(x)
     assert len(loop("shear", x, y).turns) == 4
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_rounded_moments_are_in_the_bounds(seed: int) -> None:
+    """A sheer cloth, B 0.004, whose moments of 0.012 at most are printed to three decimals: in twenty steps, on each of which the record stands."""
+    truth = {"B": 0.004, "2HB": 0.0012}
+    x = sweep([0, 2.5, -2.5, 0], 200 + 11 * seed, np.random.default_rng(seed))
+    within(fit_friction([loop("bending", x, np.round(bending_record(x, *truth.values()), 3))]), truth, 0.7)
+
+
+@pytest.mark.parametrize(("end", "read"), [(5.0, False), (5.2, False), (5.6, True)])
+def test_a_width_is_not_read_where_the_loop_turns(end: float, read: bool) -> None:
+    x = sweep([0, end, -end, 0], 801)
+    one = loop("shear", x, shear_record(x, *SUITING.values()))
+    within(fit_friction([one]), SUITING if read else {"G": SUITING["G"], "2HG": SUITING["2HG"]}, 0.05)
+    said = [finding.message for finding in unread([one])]
+    why = "no side of the record goes 0.5 degrees beyond and comes back to there"
+    assert said == ([] if read else [f"2HG5.warp, at 5 degrees, is not read: {why}"])
+
+
+def test_a_width_is_not_read_where_the_way_back_stops_before() -> None:
+    x = sweep([0, 8, 0], 801)
+    y = shear_record(x, *SUITING.values())
+    kept = (np.arange(801) < 401) | (x > 3.0)
+    one = loop("shear", x[kept], y[kept])
+    within(fit_friction([one]), {"G": SUITING["G"], "2HG5": SUITING["2HG5"]}, 0.05)
+    assert [finding.message.partition(",")[0] for finding in unread([one])] == ["2HG.warp"]

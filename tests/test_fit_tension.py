@@ -143,3 +143,14 @@ def test_a_sample_that_stands_alone_is_refused(at: int, force: float) -> None:
     y[at] = force
     with pytest.raises(FabricError, match=f"sample {at + 1}, {force:g} .* stands alone"):
         fit_tension([loop(x, y)])
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_what_a_way_back_lacks_is_in_the_bounds(case: tuple[float, float, float, float]) -> None:
+    """It stops at 9 % of Fm."""
+    x = sweep([0.0, case[2], 0.0], 801)
+    y = tension_record(x, *case)
+    kept = (np.arange(801) < 401) | (y > 0.09 * case[3])
+    found = {value.key: value for value in fit_tension([loop(x[kept], y[kept])])}["RT.weft"]
+    assert found.low <= truth_of(*case)["RT"] <= found.high
+    assert found.value < truth_of(*case)["RT"] - 0.3

@@ -169,3 +169,8 @@ def test_a_fabric_without_a_value_is_reported(tmp_path: Path) -> None:
 def test_a_table_of_which_nothing_is_understood_says_why(tmp_path: Path) -> None:
     with pytest.raises(FileError, match=r"no fabric below the header on line 1; line 2, warp of 'W': not understood; '11' is not used; line 2, weft"):
         read(tmp_path, "property;warp;weft\nW;11;12\n")
+
+
+@pytest.mark.parametrize("head", ["warp;filling", "Warp;Weft", "wale;course"])
+def test_what_laboratories_call_the_directions(head: str, tmp_path: Path) -> None:
+    assert numbers(read(tmp_path, f"property;{head}\nW;;\nB;0.1;0.05\n").sheets[0]) == {"B.warp": 0.1, "B.weft": 0.05}

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from garmentcad.fabric.material import MaterialTable, without_friction
-from garmentcad.fabric.sheet import KesSheet, KesValue, is_calibrated
+from garmentcad.fabric.missing import complete
+from garmentcad.fabric.sheet import KesSheet, KesValue, is_calibrated, sheet_from
 from garmentcad.io.fabric_file import fabric_names, fabric_path, load_fabric, read_fabric, write_fabric, write_law
 from garmentcad.rigs import calibrate as calibration
 from garmentcad.rigs.bending import bending_test, printed_bending
@@ -163,6 +164,17 @@ def test_a_loop_of_shear_that_narrows_has_the_widths_of_the_sheet() -> None:
     printed = run_tester(KesTester("shear", "warp"), sheet, sheet_materials(sheet), 10.0, sides=1).printed
     assert printed["2HG.warp"] == pytest.approx(narrow, rel=0.04)
     assert printed["2HG5.warp"] == pytest.approx(wide, rel=0.04)
+
+
+def test_a_sheer_cloth_bends_as_its_sheet_says() -> None:
+    """35 g/m2 with a hundredth of a suiting's bending: rounding of the equilibrium that links pull at must stay small beside its moments."""
+    data = {"schema": 1, "name": "veil", "source": "made up", "W": 3.5, "T0": 0.18, "LT": {"warp": 0.75, "weft": 0.7}, "RT": {"warp": 55, "weft": 50}}
+    data |= {"EMT": {"warp": 4.2, "weft": 9.5}, "G": {"warp": 0.18, "weft": 0.16}, "2HG": {"warp": 0.05, "weft": 0.04}, "2HG5": {"warp": 0.1, "weft": 0.09}}
+    data |= {"B": {"warp": 0.0045, "weft": 0.0035}, "2HB": {"warp": 0.0012, "weft": 0.001}}
+    sheet = complete(sheet_from(data)).sheet
+    printed = run_tester(KesTester("bending", "warp"), sheet, sheet_materials(sheet), 10.0, sides=1).printed
+    assert printed["B.warp"] == pytest.approx(0.0045, rel=0.005)
+    assert printed["2HB.warp"] == pytest.approx(0.0012, rel=0.01)
 
 
 def test_law_values_go_into_the_file_and_leave_every_other_line_as_it_was(tmp_path) -> None:

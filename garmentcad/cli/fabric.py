@@ -38,14 +38,15 @@ def show(
     as_json: Annotated[bool, typer.Option("--json", help="One JSON object and nothing else.")] = False,
 ) -> None:
     """Every value of a sheet with its unit, its source or the rule of its estimate, and what was noticed."""
-    from garmentcad.fabric.describe import sheet_lines
+    from garmentcad.fabric.describe import sheet_lines, sheet_remarks
     from garmentcad.fabric.missing import measured_fraction
     from garmentcad.io.fabric_file import fabric_path, load_fabric
 
     completed = load_fabric(fabric_path(name))
     rows, measured = sheet_lines(completed), measured_fraction(completed.sheet)
+    remarks = [str(finding) for finding in sheet_remarks(completed)]
     if as_json:
-        print(json.dumps({"fabric": completed.sheet.name, "measured_fraction": measured, "rows": [row._asdict() for row in rows]}))
+        print(json.dumps({"fabric": completed.sheet.name, "measured_fraction": measured, "rows": [row._asdict() for row in rows], "findings": remarks}))
         return
     from rich.console import Console
 
@@ -57,6 +58,8 @@ def show(
     for row in rows:
         table.add_row(row.key, f"{row.value:.4g}", row.unit, row.origin, row.finding)
     Console().print(table)
+    for remark in remarks:
+        print(remark)
 
 
 @app.command("test")
@@ -88,7 +91,10 @@ def write_passport(
             print(message, file=sys.stderr, flush=True)
 
     path = fabric_path(name)
-    sheet = load_fabric(path).sheet
+    sheet, findings, _ = load_fabric(path)
+    for finding in findings:
+        if finding.severity == "warning":
+            print(finding, file=sys.stderr)
     if disc not in GEOMETRIES:
         raise InputError(f"{disc!r} came; allowed are {', '.join(GEOMETRIES)}", key="--disc")
     folder = out if out is not None else Path("out") / ("fabric-" + re.sub(r"[^\w.+-]+", "-", sheet.name))  # a name may hold a slash
@@ -101,7 +107,7 @@ def write_passport(
                 raise FileError("law values have no place in a CSV file", file=str(path))
             write_law(path, sheet.law)
         except FileError as error:
-            say(f"the calibration is not kept: {error}")
+            print(f"warning: the calibration is not kept: {error}", file=sys.stderr)
     passport = make_passport(sheet, grid, lays, disc, say)
     write_atomic(folder / "passport.json", report_json(passport.figures))
     write_page(folder / "passport.html", passport)

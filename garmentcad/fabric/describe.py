@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from garmentcad.fabric.finding import Finding
 from garmentcad.fabric.missing import Completed
 from garmentcad.fabric.quantity import KEYS, quantity_of
 
@@ -18,6 +19,11 @@ class SheetLine(NamedTuple):
     origin: str
     assumed: bool
     finding: str
+
+
+def sheet_remarks(completed: Completed) -> tuple[Finding, ...]:
+    """What was noticed and belongs to no line of the table: of the file that it was read from, of its law."""
+    return tuple(finding for finding in completed.findings if finding.key not in KEYS or completed.sheet.get(finding.key) is None)
 
 
 def sheet_lines(completed: Completed) -> tuple[SheetLine, ...]:

@@ -22,6 +22,7 @@ from scipy.optimize import least_squares
 
 from garmentcad.errors import FabricError
 from garmentcad.fabric.cantilever import bending_from_overhang
+from garmentcad.fabric.finding import Finding
 from garmentcad.fabric.fitted import FittedValue
 from garmentcad.fabric.law_tension import linearity, solve_exponent, strain_at_force
 from garmentcad.fabric.quantity import BENDING_WAYS, WAYS, Quantity, quantity_of
@@ -42,6 +43,8 @@ FAST_QUANTITIES: dict[str, Quantity] = {
 LOADS_GF_CM = {"E5": 5.0, "E20": 20.0, "E100": 100.0}
 FORCE_GF_CM = 100.0  # Fm of a sheet from FAST
 EXTENSION_READING = 0.05  # +- %
+MOST_MISSED = 4.0  # readings within which a curve is one of such cloth
+AT_END = 1e-3  # of LT: nearer to what a sheet may have it was stopped there
 LENGTH_READING = 0.5  # +- mm of the overhang
 WEIGHT_READING = 0.01  # +- share of W
 
@@ -77,6 +80,24 @@ def fit_fast(values: Mapping[str, float]) -> list[FittedValue]:
         for name, overhang in lengths.items():
             fitted.append(_bending(name, overhang, way, values))
     return fitted
+
+
+def doubtful(values: Mapping[str, float]) -> list[Finding]:
+    """Findings on extensions of which `fit_fast` makes a curve that they do not lie on, or one at the end of what a sheet may have."""
+    found = []
+    for way in WAYS:
+        readings = {name: values[f"{name}.{way}"] for name in LOADS_GF_CM if f"{name}.{way}" in values}
+        if len(readings) < 2:
+            continue
+        curve = _fit_curve([LOADS_GF_CM[name] for name in readings], list(readings.values()))
+        came = ", ".join(f"{name} {value:g} %" for name, value in readings.items())
+        if curve.miss > MOST_MISSED * EXTENSION_READING:
+            why = f"no curve of a tensile tester goes through {came}: it misses one by {curve.miss:.2f} %, where readings are good to {EXTENSION_READING:g} %"
+            found.append(Finding("warning", f"EMT.{way}", why))
+        linear = linearity(curve.exponent)
+        if any(abs(linear - end) < AT_END for end in quantity_of("LT").possible):
+            found.append(Finding("warning", f"LT.{way}", f"{came} ask for an LT beyond {linear:.2f}, the last that a sheet may have; it is no measurement"))
+    return found
 
 
 def _tension(readings: dict[str, float], way: str) -> list[FittedValue]:

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from garmentcad.errors import FabricError
-from garmentcad.fabric.fast import FAST_QUANTITIES, fit_fast
+from garmentcad.fabric.fast import FAST_QUANTITIES, doubtful, fit_fast
 from garmentcad.fabric.finding import Finding
 from garmentcad.fabric.fit_friction import fit_friction, unread
 from garmentcad.fabric.fit_tension import fit_tension
@@ -35,7 +35,7 @@ def fit_sheet(name: str, values: Mapping[str, Given], loops: Sequence[RecordedLo
         fitted += _fitted(values, loops, files)
         printed = {key: given for key, given in values.items() if not _is_reading(key)}
         sheet = fitted_sheet(name, fitted, printed, files)
-        findings = unread([loop for loop in loops if loop.test != "tension"])
+        findings = [*unread([loop for loop in loops if loop.test != "tension"]), *doubtful({key: given.value for key, given in values.items()})]
         if sheet.W is None:
             lacking = Finding("warning", "W", "no mass per area came; the sheet needs one before anything can be draped")
             return Fit(sheet, tuple(fitted), frozenset(), (*findings, *noticed(sheet), lacking))
@@ -71,8 +71,9 @@ def _fitted(values: Mapping[str, Given], loops: Sequence[RecordedLoop], files: M
         came = " and ".join(f"{what} to {end.value:g} ({_listed(end.of, files)})" for what, end in zip(("tension loops", "FAST extensions"), ends))
         raise FabricError(f"{came} gf/cm do not go together; one Fm belongs to a sheet, leave either out", key="Fm", file=_listed(ends[1].of, files))
     printed = [key for key in values if key.partition(".")[0] in ("LT", "WT", "EMT")]
-    if printed and ends and ends[0].value != USUAL_FM:
-        came = f"{', '.join(printed)} as a tester prints them, at {USUAL_FM:g} gf/cm, beside tests to {ends[0].value:g} ({_listed(ends[0].of, files)})"
+    usual = values["Fm"].value if "Fm" in values else USUAL_FM
+    if printed and ends and ends[0].value != usual:
+        came = f"{', '.join(printed)} as a tester prints them, at {usual:g} gf/cm, beside tests to {ends[0].value:g} ({_listed(ends[0].of, files)})"
         raise FabricError(f"{came}; one Fm belongs to a sheet, leave either out", key=printed[0])
     return [
         *(value for value in of_fast if value.key != "Fm" or len(ends) == 1),

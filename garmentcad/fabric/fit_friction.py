@@ -21,6 +21,7 @@ from garmentcad.fabric.recorded_loop import SIGMAS, TURN, RecordedLoop, spread_b
 
 MIN_IN_WINDOW = 4
 RESOLVED = 1e-3  # share of a value that a record resolves at best
+TURNED = 2.0  # stretches `near` beyond a width that a loop must go: its friction turns on the way
 MOST_OFFSET = 0.1  # of the extent; more is a loop that was meant for one side
 
 
@@ -65,9 +66,14 @@ def fit_friction(loops: Sequence[RecordedLoop]) -> list[FittedValue]:
 
 
 def unread(loops: Sequence[RecordedLoop]) -> list[Finding]:
-    """A finding for each loop of which a way is not read."""
+    """A finding for each width and each way of a loop that is not read."""
     found = []
     for loop in loops:
+        for name, at in READINGS[loop.test].widths.items():
+            if not _reached(loop, _sides(loop), at):
+                unit, beyond = READINGS[loop.test].unit, TURNED * READINGS[loop.test].near
+                why = f"no side of the record goes {beyond:g} {unit} beyond and comes back to there"
+                found.append(Finding("warning", f"{loop.file}: {loop.place}", f"{name}.{loop.way}, at {at:g} {unit}, is not read: {why}"))
         left = np.setdiff1d(np.arange(len(loop.x)), np.concatenate([side.samples for side in _sides(loop)]))
         if len(left) and np.ptp(loop.x[left]) > TURN * np.ptp(loop.x):
             what = f"{len(left)} of {len(loop.x)} samples, the first of them {left[0] + 1}, are not used"
@@ -98,14 +104,19 @@ def _values(loop: RecordedLoop, narrower: float = 1.0) -> dict[str, float]:
         raise loop.refuse("the curve falls where it should rise")
     values = {reading.stiffness: stiffness}
     for name, at in reading.widths.items():
-        reached = [side for side in sides if min(side.out[0].max(), side.back[0].max()) >= at]
-        if reached:
+        if reached := _reached(loop, sides, at):
             near, fewest = reading.near * narrower, int(MIN_IN_WINDOW * narrower)
             width = float(np.mean([value_near(*side.out, at, near, fewest) - value_near(*side.back, at, near, fewest) for side in reached]))
             if width < -0.05 * stiffness * at:
                 raise loop.refuse(f"at {at:g} {reading.unit} the way back lies {-width:.3g} above the way out")
             values[name] = max(0.0, width)
     return values
+
+
+def _reached(loop: RecordedLoop, sides: Sequence[_Side], at: float) -> list[_Side]:
+    """Sides whose ways out and back both pass `at`, and turn so far beyond that friction has turned before."""
+    beyond = at + TURNED * READINGS[loop.test].near
+    return [side for side in sides if all(x.min() <= at and x.max() >= beyond for x, _ in (side.out, side.back))]
 
 
 def _sides(loop: RecordedLoop) -> list[_Side]:

@@ -44,7 +44,7 @@ def fit_tension(loops: Sequence[RecordedLoop]) -> list[FittedValue]:
 
         found, spread = values(loop), spread_by_noise(loop, values)
         for name, value in found.items():
-            half = spread[name] + (RESOLVED + STEPS / len(loop.x) ** 2) * abs(value) + (_unseen_of_turn(loop) if name == "RT" else 0.0)
+            half = spread[name] + (RESOLVED + STEPS / len(loop.x) ** 2) * abs(value) + (_unseen_of_turn(loop) + _unseen_of_end(loop) if name == "RT" else 0.0)
             how = f"tension loop of {len(loop.x)} samples"
             fitted.append(FittedValue(f"{name}.{loop.way}", value, value - half, value + half, how, (loop.key,)))
     return fitted
@@ -59,6 +59,14 @@ def _unseen_of_turn(loop: RecordedLoop) -> float:
     first, second, third = fall / np.maximum(way, 1e-12)
     sudden = way[0] * max(0.0, first - 2.0 * second + third)
     return float(50.0 * way[0] * sudden / np.trapezoid(out.y, out.x))
+
+
+def _unseen_of_end(loop: RecordedLoop) -> float:
+    """Points of RT that a way back which stops above the zero of force may lack: the triangle from there down to the zero of strain. Curves are hollow."""
+    out, back = cut_legs(loop)[:2]
+    end = _end(loop)
+    rest = max(0.0, float(back.y[-4:].mean()) - end["zero"])
+    return float(50.0 * rest * max(0.0, float(back.x[-1]) - end["start"]) / np.trapezoid(out.y - end["zero"], out.x))
 
 
 def _end(loop: RecordedLoop) -> dict[str, float]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -47,11 +48,15 @@ def fitted_sheet(name: str, fitted: Iterable[FittedValue], given: Mapping[str, G
         else:
             data[quantity] = entry | {"source": source}
 
+    paths = {one.file for one in given.values()} | set(files.values())
+    alone = Counter(Path(path).name for path in paths)
+    # two files of one name are told apart by their folders
+    called = {path: Path(path).name if alone[Path(path).name] == 1 else path for path in paths}
     for key, one in given.items():
-        file = Path(one.file).name
+        file = called[one.file]
         put(key, {"value": one.value}, file, f"given in {file}")
     for value in fitted:
-        names = ", ".join(dict.fromkeys(Path(files[key]).name for key in value.of))
+        names = ", ".join(dict.fromkeys(called[files[key]] for key in value.of))
         put(value.key, {"value": float(f"{value.value:.5g}"), "note": value.note()}, f"fit of {names}", f"fitted to {names} by garmentcad fabric fit")
     blank = [key for key in FILLED if not _given(key, set(origins))]
     data["description"] = "Fitted to tests; the note of each fitted value holds its bounds." + (f" Not measured: {', '.join(blank)}." if blank else "")

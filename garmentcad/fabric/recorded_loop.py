@@ -6,6 +6,7 @@ A record with samples that stand alone, or whose amplifier clips, is refused: a 
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Callable
 from typing import Literal, NamedTuple
 
@@ -25,6 +26,8 @@ AROUND_TURN, ALONE_AT_TURN = 2, 0.2
 ALONE_AT_END = 0.5  # share of the range, of the last sample before a turn from the line through the two before it: a tension curve is steep there
 AT_TURN = 0.002  # share of the way within which the recorder stands
 CLIPPED = 0.05  # share of the way over which the force or moment stands still at its largest
+MOST_DECIMALS = 5  # to which a record may be printed so that it counts as rounded
+STEPS = 3.0  # a curve printed in few steps stands on each; on the last one no longer than on so many
 COPIES = 60  # evaluations with the noise added once more
 SIGMAS = 3.0
 
@@ -100,7 +103,7 @@ def _refuse_still(loop: RecordedLoop, a: int, b: int, least: float) -> None:
     x, y = loop.x[a : b + 1], loop.y[a : b + 1]
     for value in (y.max(),) if loop.test == "tension" else (y.max(), y.min()):
         still = np.flatnonzero(y == value)
-        if np.ptp(x[still]) > least and len(still) == still[-1] - still[0] + 1:
+        if np.ptp(x[still]) > max(least, STEPS * printed_step(y) / max(_range(y), 1e-12) * np.ptp(x)) and len(still) == still[-1] - still[0] + 1:
             raise loop.refuse(f"samples {a + still[0] + 1} to {a + still[-1] + 1} stand still at {value:g}: the amplifier clips")
 
 
@@ -178,13 +181,23 @@ def noise_of(y: np.ndarray, x: np.ndarray) -> float:
 
 
 def spread_by_noise(loop: RecordedLoop, values: Callable[[RecordedLoop], dict[str, float]]) -> dict[str, float]:
-    """Half width of the bounds of each value: three standard deviations over copies of the loop to which its own noise was added once more.
+    """Half width of the bounds of each value: three standard deviations over copies of the loop to which its own noise was added once more, or the rounding of
+    forces and moments where that is more.
 
-    Always the same copies (a fixed seed). The noise is taken as white; a drift of the amplifier is not in it.
+    Always the same copies (a fixed seed). The noise is taken as white; a drift of the amplifier is not in it, nor that strains and angles are rounded: they
+    may as well have been recorded at just these steps.
     """
-    noise = noise_of(loop.y, loop.x)
+    noise = max(noise_of(loop.y, loop.x), printed_step(loop.y) / math.sqrt(12.0))
     if noise == 0.0:
         return dict.fromkeys(values(loop), 0.0)
     random = np.random.default_rng(0)
     copies = [values(loop._replace(y=loop.y + random.normal(0.0, noise, len(loop.y)))) for _ in range(COPIES)]
     return {key: SIGMAS * float(np.std([copy[key] for copy in copies], ddof=1)) for key in copies[0]}
+
+
+def printed_step(values: np.ndarray) -> float:
+    """Step of numbers that are printed to a few decimals, 0.001 for 3; 0 for more than MOST_DECIMALS."""
+    for decimals in range(MOST_DECIMALS + 1):
+        if np.allclose(values, np.round(values, decimals), rtol=0.0, atol=1e-9):
+            return float(10.0**-decimals)
+    return 0.0

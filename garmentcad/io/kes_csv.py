@@ -16,12 +16,12 @@ from garmentcad.fabric.finding import Finding
 from garmentcad.fabric.quantity import QUANTITIES, Quantity
 from garmentcad.fabric.sheet import KesSheet, sheet_from
 from garmentcad.io.csv_table import CsvTable, Row, cell_number, read_table, row_cells
-from garmentcad.io.kes_header import Label, label_words, read_label, unit_fault
+from garmentcad.io.kes_header import DIRECTIONS, Label, label_words, read_label, unit_fault
 
 _TEXTS = {"name": "name", "fabric": "name", "fabric name": "name", "sample": "name", "source": "source", "fibre": "fibre", "fiber": "fibre"}
 _TEXTS |= {"composition": "fibre", "weave": "weave", "description": "description"}
 _PARAMETER = {"parameter", "property", "quantity", "symbol", "characteristic", "characteristic value"}
-_WAYS = {"warp": "warp", "weft": "weft", "mean": "mean", "average": "mean", "bias": "bias"}
+_WAYS = {word: way for word, way in DIRECTIONS.items() if not word.isdigit()}
 _BLANK = {"", "-", "–", "—", "n/a", "na", "nd", "n.d."}  # what laboratories print for a value that was not measured
 WANTED = "`name;W;B warp;B weft` (one fabric a row) or `property;warp;weft` (one value a row)"
 

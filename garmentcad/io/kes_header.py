@@ -40,7 +40,9 @@ _WORDS: dict[tuple[str, ...], str] = {
     ("overhang", "length"): "overhang",
     ("cantilever", "length"): "overhang",
 }
-_DIRECTIONS = {"warp": "warp", "1": "warp", "weft": "weft", "filling": "weft", "2": "weft", "bias": "bias", "mean": "mean", "average": "mean", "avg": "mean"}
+# What laboratories call warp and weft; in knits wales run along the warp.
+DIRECTIONS = {"warp": "warp", "wale": "warp", "wales": "warp", "1": "warp", "weft": "weft", "filling": "weft", "course": "weft", "courses": "weft", "2": "weft",
+              "bias": "bias", "mean": "mean", "average": "mean", "avg": "mean"}  # fmt: skip
 _NUMBERED = re.compile(r"(lt|wt|rt|emt|2hg5|2hg|2hb|b|g|c)([12])")  # B1, B2: the testers' numbers of warp and weft
 
 _PER_RAD = math.pi / 180.0
@@ -99,8 +101,8 @@ def read_label(text: str, quantities: Mapping[str, Quantity] = QUANTITIES) -> La
     quantity = quantities[name]
     way, rest = "", []
     for word in words:
-        if quantity.directions and not way and _DIRECTIONS.get(word) in quantity.directions:
-            way = _DIRECTIONS[word]
+        if quantity.directions and not way and DIRECTIONS.get(word) in quantity.directions:
+            way = DIRECTIONS[word]
         elif word != name.lower():  # `bending rigidity B`
             rest.append(word)
     factor = _FACTORS[quantity.unit].get("".join(rest))

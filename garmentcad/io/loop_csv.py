@@ -18,12 +18,11 @@ from garmentcad.fabric.finding import Finding
 from garmentcad.fabric.quantity import BENDING_WAYS, WAYS
 from garmentcad.fabric.recorded_loop import RecordedLoop, Test, record
 from garmentcad.io.csv_table import CsvTable, cell_number, row_cells
-from garmentcad.io.kes_header import label_words
+from garmentcad.io.kes_header import DIRECTIONS, label_words
 
 _ACROSS: dict[str, Test] = {"strain": "tension", "elongation": "tension", "extension": "tension", "angle": "shear", "curvature": "bending"}
 _ALONG: dict[str, tuple[Test, ...]] = {"force": ("tension", "shear"), "load": ("tension", "shear"), "moment": ("bending",)}
 _PLAIN = {"shear", "tensile", "tension", "bending", "test", "loop"}  # words that may stand beside the others
-_WAY_WORDS = {"warp": "warp", "1": "warp", "weft": "weft", "filling": "weft", "2": "weft", "bias": "bias", "mean": "mean"}
 _LABEL = re.compile(r"(?P<words>[^\[\]()]*)[\[(](?P<unit>[^\[\]()]*(\([^()]*\))?)[\])]\s*")
 
 # unit as letters -> factor to % | degrees | 1/cm and gf/cm | gf.cm/cm
@@ -106,8 +105,8 @@ def _words(label: str) -> _Words | None:
             if kind:
                 return None
             kind = word
-        elif word in _WAY_WORDS and not way:
-            way = _WAY_WORDS[word]
+        elif word in DIRECTIONS and not way:
+            way = DIRECTIONS[word]
         elif word not in _PLAIN:
             return None
     return _Words(kind, way, match["unit"].strip() if match else None) if kind else None
