@@ -17,6 +17,7 @@ from garmentcad.analysis.body_line import parse_line
 from garmentcad.analysis.figures import Figure, figures
 from garmentcad.analysis.refinement import error_bars
 from garmentcad.errors import InputError
+from garmentcad.export import fit
 from garmentcad.export.fit import fit_of, fit_tables, write_fit
 from garmentcad.export.report import build_report
 from garmentcad.export.result_folder import Result
@@ -104,3 +105,11 @@ def test_a_line_with_the_name_of_one_of_the_report_is_refused(name: str) -> None
 def test_a_swatch_has_no_lines() -> None:
     with pytest.raises(InputError, match=r"no mannequin"):
         fit_of(dataclasses.replace(worn(), mannequin=None), [parse_line("middle=760")])
+
+
+def test_two_loops_of_a_line_around_one_part_are_both_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A slanted plane may go through a part twice."""
+    (one,) = fit.loops_in_plane(worn().cloth, worn().state.positions, worn().mannequin, parse_line("middle=760").plane)
+    monkeypatch.setattr(fit, "loops_in_plane", lambda *_: [one, dataclasses.replace(one, draped_mm=1.0)])
+    found = fit_of(worn(), [parse_line("middle=760")])["lines"]["middle"]
+    assert {name: loop["draped_mm"] for name, loop in found.items()} == {"torso": one.draped_mm, "torso_2": 1.0}

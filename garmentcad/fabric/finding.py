@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Literal, NamedTuple
 
-Severity = Literal["info", "warning", "error"]
+Severity = Literal["info", "warning"]
 
 
 class Finding(NamedTuple):
-    """severity: `info` (a rule that hardly matters), `warning` (an assumption or a strange value that may change the drape), `error` (refused).
+    """severity: `info` (a rule that hardly matters), `warning` (an assumption or a strange value that may change the drape).
 
     key: dotted key of the sheet (`B.weft`), or the place in a CSV file; message: what was found, and what was assumed from what.
     """
