@@ -198,9 +198,9 @@ def test_what_the_format_cannot_say() -> None:
         garmentcode_of(draft(read_spec(shipped_file("patterns", "lined-skirt")), body.measurements_mm), body)
 
 
-def test_a_curve_that_ends_where_it_begins_has_no_place_in_the_format() -> None:
+def test_a_curve_without_length_has_no_place_in_the_format() -> None:
     """Two points of a spec may lie on each other; GarmentCode tells curves by their chords."""
-    loop = {"name": "loop", "from": "q", "to": "twin", "quadratic": [350, 40]}
+    loop = {"name": "loop", "from": "q", "to": "twin", "quadratic": POINTS["q"]}
     edges = [SPLINE[0], loop, {**SPLINE[1], "from": "twin"}, *SPLINE[2:]]
     spec = flat_spec(edges, POINTS | {"twin": POINTS["q"]})
     with pytest.raises(SpecError, match="the curve ends where it begins") as caught:
