@@ -14,12 +14,17 @@ from drawn import materials
 
 from garmentcad.arrays import indices
 from garmentcad.check.finding import Finding
-from garmentcad.check.placement import check_crossed, check_flat, check_placement, check_reach, check_twists
+from garmentcad.check.one_sided import seams_turned_over
+from garmentcad.check.placement import check_crossed, check_far, check_placement, check_reach, check_twists
 from garmentcad.cloth.lattice import build_cloth
 from garmentcad.errors import SpecError
+from garmentcad.io.mannequin_file import read_mannequin
+from garmentcad.io.shipped import shipped_names
+from garmentcad.io.spec_file import read_spec
 from garmentcad.mannequin.mannequin import ArrangementCylinder, Mannequin
 from garmentcad.pattern.draft import draft
 from garmentcad.pattern.parse import parse_spec
+from garmentcad.pattern.pattern import Pattern
 from garmentcad.placement.place import place_vertices
 
 GRID_MM = 10.0
@@ -233,7 +238,7 @@ def test_a_flat_panel_far_from_the_body_or_below_the_floor(translation: list[flo
     data["panels"]["front"]["placement"] = {"transform": {"translation": translation}}
     pattern, mannequin = draft(parse_spec(data, "tube.yaml"), {}), body()
     cloth = build_cloth(pattern, lambda _, points: np.zeros(len(points), dtype=np.int32), materials(0.2), GRID_MM)
-    found = list(check_flat(pattern, cloth, place_vertices(pattern, cloth, mannequin), mannequin, "tube.yaml"))
+    found = list(check_far(pattern, cloth, place_vertices(pattern, cloth, mannequin), mannequin, "tube.yaml"))
     assert [(finding.code, finding.key) for finding in found] == ([] if code is None else [(code, "panels.front.placement.transform.translation")])
     assert all(words in finding.message for finding in found)
 
@@ -270,3 +275,48 @@ def test_a_wrap_on_next_to_nothing_is_refused() -> None:
     assert (
         findings(lambda data: data["panels"]["front"]["placement"]["wrap"].update(offset=least + 0.1) or data.update(seams=[]))[0].code == "panel-inside-body"
     )
+
+
+def test_a_panel_that_is_wrapped_far_off_or_below_the_floor() -> None:
+    """Heights above the floor in cm, and a zero too many in an offset."""
+
+    def said(**wrap: float) -> list[tuple[str, str]]:
+        data = copy.deepcopy(TUBE)
+        data["panels"]["front"]["placement"]["wrap"].update(wrap)
+        pattern, mannequin = draft(parse_spec(data, "tube.yaml"), {}), body()
+        cloth = build_cloth(pattern, lambda _, points: np.zeros(len(points), dtype=np.int32), materials(0.2), GRID_MM)
+        found = check_far(pattern, cloth, place_vertices(pattern, cloth, mannequin), mannequin, "tube.yaml")
+        return [(finding.code, finding.key) for finding in found]
+
+    assert said() == said(height=-90) == said(offset=900) == []
+    assert said(height=-120) == [("panel-below-floor", "panels.front.placement.wrap.height")]
+    assert said(offset=3000) == [("panel-far", "panels.front.placement.wrap.offset")]
+
+
+def shirt(shoulder: list[str]) -> Pattern:
+    """Front and back sewn at one side and at one shoulder; distances say nothing, as nothing is placed."""
+    points = {"a": [0, 0], "b": [200, 0], "c": [200, 300], "d": [120, 310], "e": [0, 300]}
+    edges = [{"name": name, "from": name[0], "to": name[1]} for name in ("ab", "bc", "cd", "de", "ea")]
+    panels = {name: {"points": points, "edges": edges, "placement": {"transform": {"translation": [0, 0, 0]}}} for name in ("front", "back")}
+    panels["lining"] = panels["front"]
+    seams = [
+        {"name": "side", "a": ["front.bc.b", "front.bc.c"], "b": ["back.ea.a", "back.ea.e"]},
+        {"name": "shoulder", "a": ["front.cd.c", "front.cd.d"], "b": shoulder},
+        {"name": "hem", "a": ["front.ab.a", "front.ab.b"], "b": ["lining.ab.a", "lining.ab.b"]},
+        {"name": "facing", "a": ["front.ea.e", "front.ea.a"], "b": ["lining.ea.e", "lining.ea.a"]},
+    ]
+    return draft(parse_spec({"name": "shirt", "fabric": "x", "mannequin": "post", "panels": panels, "seams": seams}), {})
+
+
+def test_a_seam_that_turns_the_cloth_over() -> None:
+    """The lining lies on its face all along, which turns nothing over."""
+    assert seams_turned_over(shirt(["back.de.e", "back.de.d"])) == []
+    assert seams_turned_over(shirt(["back.de.d", "back.de.e"])) == ["shoulder"]
+    back_to_front = dataclasses.replace(shirt(["back.de.d", "back.de.e"]), seams=tuple(reversed(shirt(["back.de.d", "back.de.e"]).seams)))
+    assert seams_turned_over(back_to_front) == ["shoulder"]
+
+
+@pytest.mark.parametrize("name", shipped_names("patterns"))
+def test_no_shipped_garment_is_one_sided(name: str) -> None:
+    spec = read_spec(name)
+    assert seams_turned_over(draft(spec, read_mannequin(spec.mannequin).measurements_mm)) == []

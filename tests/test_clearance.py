@@ -140,3 +140,20 @@ def test_panels_in_one_place_are_judged_up_to_their_first_crossing(monkeypatch: 
     assert 10 < len(judged) < 100
     monkeypatch.undo()
     assert len(crossing_triangle_pairs(move_panels(cloth, positions, moves), cloth.triangles)) == 0
+
+
+def test_wrapped_halves_of_one_height_part_sideways_at_once() -> None:
+    """Left and right forks that overlap by 20 mm: up and down they would start at two heights, and one leg hang higher than the other."""
+    panels = {
+        name: {
+            "points": {"a": [low, 0], "b": [low + 150, 0], "c": [low + 150, 60], "d": [low, 60]},
+            "edges": [{"name": f"e{k}", "from": "abcd"[k], "to": "bcda"[k]} for k in range(4)],
+            "placement": {"transform": {"translation": [0, 500, 0], "rotation": [0, 0, turn]}},
+        }
+        for name, low, turn in (("right", -10, 3), ("left", -140, -3))
+    }
+    pattern, cloth, positions = around_post(panels, 10.0)
+    assert len(crossing_triangle_pairs(positions, cloth.triangles)) > 0
+    moves = {move.panel: move.by_m for move in clearing_moves(pattern, cloth, positions, body())}
+    assert moves["right"][0] > 0.0 > moves["left"][0]
+    assert moves["right"] == pytest.approx(moves["left"] * [-1.0, 0.0, 1.0], abs=1e-6)

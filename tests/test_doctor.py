@@ -302,6 +302,23 @@ def test_an_unknown_factor_is_told_once_at_its_place_in_the_file(tmp_path: Path)
     assert found == [(f"panels.{name}.regions.0.factors.BB", "'BB'") for name in ("back", "front_over")]
 
 
+def test_names_that_nothing_uses() -> None:
+    """A parameter in another's range, in a value and in a point; one that was mistyped; a value that is left over."""
+    found = findings(
+        lambda data: (
+            data.update(
+                parameters={"wide": {"value": 10, "range": ["least", 20]}, "least": {"value": 5}, "widht": {"value": 7, "doc": "of the widht"}},
+                values={"more": "wide + 1", "left": "2 * more"},
+            )
+            or data["panels"]["front"]["points"].update(extra=["0 * wide", 0])
+        )
+    )
+    assert [(finding.severity, finding.code, finding.key) for finding in found] == [
+        ("note", "name-unused", "parameters.widht"),
+        ("note", "name-unused", "values.left"),
+    ]
+
+
 def test_every_code_is_on_the_page() -> None:
     """The codes of docs/doctor.md are those of the findings in garmentcad/check, no more and no fewer."""
     root = Path(__file__).parents[1]

@@ -7,18 +7,19 @@ from garmentcad.check.grain import check_grain
 from garmentcad.check.outline import check_panel
 from garmentcad.check.seam import check_seams
 from garmentcad.check.sleeve import check_sleeves
+from garmentcad.check.unused import check_unused
 from garmentcad.errors import ExpressionError, InputError, SpecError
 from garmentcad.pattern.pattern import Pattern
 from garmentcad.pattern.spec import GarmentSpec
 
 
 def check_pattern(spec: GarmentSpec, pattern: Pattern, grid_mm: float = 10.0) -> list[Finding]:
-    """Findings on a drafted pattern, errors first: outlines, sizes against the lattice spacing, regions, grain, seams, notches, sleeves.
+    """Findings on a drafted pattern, errors first: outlines, sizes against the lattice spacing, regions, grain, seams, notches, sleeves, names.
 
     What keeps a spec from being drafted at all (open outline, unknown edges and points) is an error of `draft_errors`; `refusal` makes a finding of one.
     """
     found = [finding for panel in pattern.panels.values() for finding in check_panel(panel, grid_mm, spec.file)]
-    found += [*check_grain(pattern, spec.file), *check_seams(pattern, spec.file), *check_sleeves(pattern, spec.file)]
+    found += [*check_grain(pattern, spec.file), *check_seams(pattern, spec.file), *check_sleeves(pattern, spec.file), *check_unused(spec)]
     return worst_first(found)
 
 

@@ -14,7 +14,7 @@ from garmentcad.check.factor import check_factors
 from garmentcad.check.finding import Finding
 from garmentcad.check.gather import check_gathers
 from garmentcad.check.hardware import check_hardware
-from garmentcad.check.placement import check_crossed, check_flat, check_moves, check_placement, check_reach, check_twists
+from garmentcad.check.placement import check_crossed, check_far, check_moves, check_placement, check_reach, check_twists
 from garmentcad.check.region import check_regions
 from garmentcad.check.wearing import check_wearing
 from garmentcad.cloth.lattice import build_cloth, check_grid
@@ -178,7 +178,7 @@ def _check_placed(spec: GarmentSpec, pattern: Pattern, body: Mannequin, sheets: 
         return [refusal(type(error)(error.message, file=error.file or spec.file, key=error.key))]
     moves = clearing_moves(pattern, cloth, positions, body)
     positions = move_panels(cloth, positions, moves)
-    reach = [*check_reach(pattern, cloth, positions, body, spec.file), *check_flat(pattern, cloth, positions, body, spec.file)]
+    reach = [*check_reach(pattern, cloth, positions, body, spec.file), *check_far(pattern, cloth, positions, body, spec.file)]
     sewn = [*check_twists(pattern, cloth, positions, spec.file), *check_crossed(pattern, cloth, positions, spec.file)]
     placed = [*check_moves(moves, spec.file), *reach, *sewn, *check_placement(cloth, positions, body, spec.file)]
     return [*placed, *worn, *check_regions(pattern, cloth, spec.file), *check_hardware(pattern, cloth, positions, materials, body, spec.file)]

@@ -40,7 +40,7 @@ def _check_oblique(panel: Panel, file: str | None) -> Iterator[Finding]:
         yield Finding(
             "warning", "grain-oblique", file, f"panels.{panel.name}.grain",
             f"the grain of {panel.grain_deg:g} degrees lies {abs(off):.1f} degrees off straight, cross or bias grain by {along}, and along no straight line",
-            f"Set grain: {panel.grain_deg - off:g}, or turn the panel; cloth cut a little off grain twists when it hangs.",
+            f"Set grain: {round(panel.grain_deg - off, 3) + 0.0:g}, or turn the panel; cloth cut a little off grain twists when it hangs.",
         )  # fmt: skip
 
 
@@ -81,7 +81,7 @@ def _check_twins(a: Panel, b: Panel, file: str | None) -> Iterator[Finding]:
         yield Finding(
             "warning", "grain-of-twins", file, f"panels.{b.name}.grain",
             f"the panel is the mirror image of {a.name}, but its grain of {b.grain_deg:g} degrees lies {abs(off):.1f} degrees off that of the mirror image",
-            f"Set grain: {b.grain_deg - off:g}, or draw it as mirrored_from: {a.name}; twins that are cut differently hang differently.",
+            f"Set grain: {round(b.grain_deg - off, 3) + 0.0:g}, or draw it as mirrored_from: {a.name}; twins that are cut differently hang differently.",
         )  # fmt: skip
 
 

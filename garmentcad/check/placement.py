@@ -10,6 +10,7 @@ import numpy as np
 from garmentcad.analysis.clearance import Move
 from garmentcad.analysis.penetration import signed_distances
 from garmentcad.check.finding import Finding
+from garmentcad.check.one_sided import seams_turned_over
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.geometry.intersection import crossing_owners, crossing_triangle_pairs
 from garmentcad.mannequin.mannequin import Mannequin
@@ -17,7 +18,7 @@ from garmentcad.pattern.pattern import EdgeUse, Pattern, Seam, Wrap
 from garmentcad.pattern.runs import side_length
 from garmentcad.units import M_TO_MM, MM_TO_M
 
-_FAR_M = 1.0  # flat panels of GarmentCode start up to half a metre away
+_FAR_M = 1.0  # panels of GarmentCode start up to half a metre away
 _CROSSED = -0.8  # cosine between ways that go against each other: from one seam to the other along both of their sides, and along both sides of one seam
 _APART_M = 0.050  # seams nearer to each other say nothing
 _STRAIGHT = 0.7  # of the length of a side, between its ends
@@ -84,32 +85,34 @@ def check_reach(pattern: Pattern, cloth: Cloth, positions: np.ndarray, mannequin
             )  # fmt: skip
 
 
-def check_flat(pattern: Pattern, cloth: Cloth, positions: np.ndarray, mannequin: Mannequin, file: str | None = None) -> Iterator[Finding]:
-    """Panels laid flat far from the body or below the floor: a translation in cm, say."""
+def check_far(pattern: Pattern, cloth: Cloth, positions: np.ndarray, mannequin: Mannequin, file: str | None = None) -> Iterator[Finding]:
+    """Panels that start far from the body or below the floor: a translation, or a height above the floor, in cm, say."""
     low, high = mannequin.vertices.min(axis=0), mannequin.vertices.max(axis=0)
     for index, (name, panel) in enumerate(pattern.panels.items()):
-        if isinstance(panel.placement, Wrap):
-            continue
-        key, mine = f"panels.{name}.placement.transform.translation", positions[cloth.vertex_panel == index]
+        wrapped, mine = isinstance(panel.placement, Wrap), positions[cloth.vertex_panel == index]
+        below, beside = ("wrap.height", "wrap.offset") if wrapped else ("transform.translation", "transform.translation")
+        how = "Heights and offsets are in mm" if wrapped else "Translations are in mm, y is the height above the floor"
         away = float(np.linalg.norm(np.maximum(0.0, np.maximum(low - mine, mine - high)), axis=1).min())
         middle = M_TO_MM * float(mine[:, 1].mean())
         if middle < 0.0:
             yield Finding(
-                "warning", "panel-below-floor", file, key, f"the middle of the panel starts {-middle:.0f} mm below the floor",
-                "Translations are in mm, y is the height above the floor; lay the panel beside the part of the body that wears it.",
+                "warning", "panel-below-floor", file, f"panels.{name}.placement.{below}", f"the middle of the panel starts {-middle:.0f} mm below the floor",
+                f"{how}; lay the panel beside the part of the body that wears it.",
             )  # fmt: skip
         elif away > _FAR_M:
             yield Finding(
-                "warning", "panel-far", file, key, f"the panel starts {away * M_TO_MM:.0f} mm away from {mannequin.name}",
-                "Translations are in mm; lay the panel beside the part of the body that wears it.",
+                "warning", "panel-far", file, f"panels.{name}.placement.{beside}", f"the panel starts {away * M_TO_MM:.0f} mm away from {mannequin.name}",
+                f"{how}; lay the panel beside the part of the body that wears it.",
             )  # fmt: skip
 
 
 def check_twists(pattern: Pattern, cloth: Cloth, positions: np.ndarray, file: str | None = None) -> Iterator[Finding]:
     """Seams whose sides lie the other way round in space: with one side turned around, both pairs of points would be closer.
 
-    The points at a quarter and three quarters of each side are compared, because the ends of a ring lie in one place. Darts cannot twist.
+    The points at a quarter and three quarters of each side are compared, because the ends of a ring lie in one place. Darts cannot twist. Where distances say
+    nothing, a seam counts that turns the cloth over (one_sided.py).
     """
+    over = set(seams_turned_over(pattern))
     for seam in pattern.seams:
         if any(pattern.panels[use.panel].edges[use.edge].dart for use in (*seam.a, *seam.b)):
             continue
@@ -127,6 +130,9 @@ def check_twists(pattern: Pattern, cloth: Cloth, positions: np.ndarray, file: st
             )  # fmt: skip
         elif _opposite(pattern, cloth, positions, seam):
             text = "as placed, its sides go opposite ways from their first points to their last"
+            yield Finding("error", "seam-twisted", file, f"seams.{seam.name}", text, remedy)
+        elif seam.name in over:
+            text = "sewn so, the right side of the cloth goes over into its wrong side: the other seams of its panels lay both the same way up"
             yield Finding("error", "seam-twisted", file, f"seams.{seam.name}", text, remedy)
 
 
