@@ -307,7 +307,7 @@ def test_names_that_nothing_uses() -> None:
     found = findings(
         lambda data: (
             data.update(
-                parameters={"wide": {"value": 10, "range": ["least", 20]}, "least": {"value": 5}, "widht": {"value": 7, "doc": "of the widht"}},
+                parameters={"least": {"value": 5}, "wide": {"value": 10, "range": ["least", 20]}, "widht": {"value": 7, "doc": "of the widht"}},
                 values={"more": "wide + 1", "left": "2 * more"},
             )
             or data["panels"]["front"]["points"].update(extra=["0 * wide", 0])
