@@ -308,14 +308,14 @@ def test_names_that_nothing_uses() -> None:
         lambda data: (
             data.update(
                 parameters={"least": {"value": 5}, "wide": {"value": 10, "range": ["least", 20]}, "widht": {"value": 7, "doc": "of the widht"}},
-                values={"more": "wide + 1", "left": "2 * more"},
+                values={"more": "wide + 1", "spare": "2 * more"},
             )
             or data["panels"]["front"]["points"].update(extra=["0 * wide", 0])
         )
     )
     assert [(finding.severity, finding.code, finding.key) for finding in found] == [
         ("note", "name-unused", "parameters.widht"),
-        ("note", "name-unused", "values.left"),
+        ("note", "name-unused", "values.spare"),
     ]
 
 

@@ -13,7 +13,7 @@ _WORD = re.compile(r"[A-Za-z_]\w*")
 
 
 def check_unused(spec: GarmentSpec) -> Iterator[Finding]:
-    """A note for each; what only another unused one needs counts as used, so that one slip is told once."""
+    """A note for each; what only another unused one needs counts as used, so that one slip is told once, and so does what an edge or a point is called."""
     said = spec.model_dump(exclude={"description", "tests"})
     for kind in ("parameters", "values"):
         for name in said[kind]:
