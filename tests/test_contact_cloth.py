@@ -15,7 +15,7 @@ from scipy.sparse.csgraph import dijkstra
 from garmentcad.arrays import indices
 from garmentcad.cloth.state import State
 from garmentcad.contact.contact import Contact, load_pairs
-from garmentcad.contact.pairs import EDGE_EDGE, VERTEX_TRIANGLE, distances, time_of_contact
+from garmentcad.contact.pairs import EDGE_EDGE, VERTEX_TRIANGLE, Pairs, carry_over, distances, make_pairs, time_of_contact
 from garmentcad.contact.planes import CLOSED
 from tools.contact_queries import SHAPES, missed, queries
 
@@ -277,3 +277,50 @@ def test_same_bits_on_one_two_and_four_threads() -> None:
     printed = set(printed_on_threads(SCRIPT))
     assert len(printed) == 1
     assert int(printed.pop().split()[-1]) > 100
+
+
+def test_a_vertex_and_a_triangle_do_not_take_over_from_two_edges_of_the_same_nodes() -> None:
+    """(v; a, b, c) and (v, a)-(b, c): the side of one is not that of the other."""
+    nodes, gap, friction = np.array([[3, 0, 1, 2]]), np.full(4, 1e-3), np.full(4, 0.3)
+    before = make_pairs(nodes, nodes, gap, friction)
+    before.side[:] = before.impulse[:, 0] = np.array([1.0, -1.0])
+    before.due[:] = -1.0
+    for first, second in ((before, make_pairs(nodes, nodes, gap, friction)), (by_kind(before, [1, 0]), make_pairs(nodes, nodes, gap, friction))):
+        second.due[:] = -1.0
+        carry_over(first, 0.0, second)
+        assert second.side.tolist() == second.impulse[:, 0].tolist() == [1.0, -1.0]
+    alone = make_pairs(nodes, np.zeros((0, 4), dtype=np.int32), gap, friction)
+    alone.due[:] = -1.0
+    carry_over(by_kind(before, [1]), 0.0, alone)
+    assert alone.side.tolist() == [0.0]
+
+
+def by_kind(pairs: Pairs, order: list[int]) -> Pairs:
+    return Pairs(*(column[order] for column in pairs))
+
+
+def test_a_vertex_that_two_edges_of_its_nodes_came_close_with_is_not_pressed_through() -> None:
+    """Every triangle of a loose sheet whose corner an edge joins to a vertex above it: 0.4 mm above, one look, then pressed on at 0.05 m/s."""
+    sheet = Sheet(4)
+    edges = set(map(tuple, sheet.ends.tolist()))
+    triangles, count = sheet.cloth.particle_triangles.tolist(), sheet.cloth.particle_count
+    chosen = [(v, *f) for f in triangles for v in range(count) if v not in f and v < f[0] and (v, f[0]) in edges and f[1] < f[2]]
+    assert len(chosen) > 20
+    for v, a, b, c in chosen[::4]:
+        places = sheet.positions.copy()
+        others = np.setdiff1d(np.arange(count), [v, a, b, c])
+        places[others] = np.random.default_rng(v).uniform(-0.3, 0.3, (len(others), 3)) + np.array([0.0, 0.0, 5.0])
+        places[[a, b, c, v]] = [[0.0, 0.0, 0.0], [0.010, -0.005, 0.0], [0.010, 0.005, 0.0], [0.0095, 0.0002, 0.0004]]
+        contact, state = Contact(sheet.cloth, fabric()), sheet.state(places)
+        contact.start(state)
+        contact.inverse_masses[:] = 0.0
+        contact.inverse_masses[v] = 1.0 / sheet.cloth.masses[v]
+        contact.respond(state, 1e-4)
+        state.velocities[:] = 0.0
+        contact._find_pairs(state, 0.0)
+        for _ in range(100):
+            state.velocities[:] = 0.0
+            state.velocities[v, 2] = -0.05
+            contact.detect(state, 5e-6)
+            state.positions += contact.respond(state, 1e-4) * 1e-4 * state.velocities
+        assert state.positions[v, 2] > 0.0

@@ -16,6 +16,7 @@ from garmentcad.arrays import CHUNKS
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.lattice import rectangle_cloth
 from garmentcad.cloth.state import State
+from garmentcad.constraints.points import ConstraintPoints, PointRows
 from garmentcad.contact.contact import Contact
 from garmentcad.contact.planes import fresh_planes, respond_planes
 from garmentcad.fabric.material import MaterialTable
@@ -370,3 +371,67 @@ def test_the_speed_cap_takes_nothing_from_what_presses_on_a_body() -> None:
     pressed = np.linalg.norm(dynamics.net_forces(state) / cloth.masses[:, None], axis=1)[~border].max() * state.time_step_s
     assert pressed > 2.0 * dynamics.speed_cap_m_s
     assert residual(dynamics, state, patches(cloth)).rms_g < 0.02
+
+
+@pytest.mark.parametrize("measured", [False, True])
+@pytest.mark.parametrize("equalise", [False, True])
+def test_where_all_is_held_steps_are_taken_all_the_same(measured: bool, equalise: bool) -> None:
+    fabric = linear_fabric()
+    cloth = rectangle_cloth(60.0, 40.0, 10.0, 0.0, fabric)
+    state = State(hanging(cloth), np.zeros((cloth.particle_count, 3)))
+    dynamics = dynamics_of(cloth, np.ones(cloth.particle_count, dtype=bool), 0.0, fabric)
+    dynamics.measured, dynamics.equalise = measured, equalise
+    dynamics.start(state)
+    dynamics.advance(state, 3)
+    assert 0.0 < state.time_s < 1.0
+    assert np.array_equal(state.positions, hanging(cloth))
+
+
+@pytest.mark.parametrize("gap_m", [math.nan, 1e3])
+def test_what_a_condition_throws_after_the_forces_ends_the_run(gap_m: float) -> None:
+    """A pin whose place is no number, or a kilometre away: looks for candidates would go on for ever, as none covers such a way."""
+    fabric = linear_fabric()
+    cloth = rectangle_cloth(100.0, 100.0, 10.0, 0.0, fabric)
+    state = State(hanging(cloth), np.zeros((cloth.particle_count, 3)))
+    dynamics = dynamics_of(cloth, None, 0.0, fabric)
+    top = int(np.argmax(state.positions[:, 1]))
+    rows = PointRows.plain(np.array([0]), np.array([top]), np.array([1.0]), state.positions[top][None] + [0.0, 0.0, gap_m], ("pin",))
+    dynamics.constraint = ConstraintPoints(rows, dynamics.inverse_masses, 1000.0, np.inf, nodes=dynamics.contact.nodes)
+    state.constraint_speeds, state.constraint_forces = np.zeros((1, 3)), np.zeros((1, 3))
+    dynamics.start(state)
+    looks: list[int] = []
+    found = dynamics.contact._find_pairs
+
+    def counted(state: State, reserve_m: float) -> None:
+        looks.append(state.step)
+        if len(looks) > 50:
+            raise RuntimeError("no end of looks")
+        found(state, reserve_m)
+
+    dynamics.contact._find_pairs = counted  # type: ignore[method-assign]
+    with pytest.raises(DivergedError, match="the limit is"):
+        dynamics.advance(state, 96)
+
+
+def test_cut_steps_in_a_row_are_counted_in_the_state(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A run that is resumed between them ends at the same step."""
+    fabric = linear_fabric()
+    cloth = rectangle_cloth(60.0, 40.0, 10.0, 0.0, fabric)
+
+    def cut(*arguments: Any) -> int:
+        clock = arguments[-1]
+        clock[:] = [1.0, 0.0, 0.0, -1.0, 0.5]
+        return CUT
+
+    def fresh() -> Dynamics:
+        return dynamics_of(cloth, None, 0.0, fabric)
+
+    state = State(hanging(cloth), np.zeros((cloth.particle_count, 3)))
+    first = fresh()
+    first.start(state)
+    monkeypatch.setattr("garmentcad.solve.dynamics.run_steps", cut)
+    first.advance(state, MOST_CUTS - 3)
+    resumed = fresh()
+    with pytest.raises(IntersectingError):
+        resumed.advance(state, MOST_CUTS)
+    assert state.step == MOST_CUTS

@@ -34,3 +34,26 @@ def test_free_fall_of_momentum() -> None:
     march(assembly, CLOTH.masses, positions, velocities, step, 1000)
     momentum, weight = CLOTH.masses @ velocities, 9.81 * CLOTH.masses.sum()
     np.testing.assert_allclose(momentum / (weight * 1000 * step), [0.0, -1.0, 0.0], atol=1e-10)
+
+
+def test_the_stepper_takes_weight_alone() -> None:
+    """It keeps one number a particle, along y: the wind of the howto would be lost in it."""
+
+    class ForceWind:
+        name = "wind"
+
+        def add_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray) -> None:
+            out += np.outer(CLOTH.masses, [0.0, 0.0, 1.0])
+
+        def energies(self, positions: np.ndarray) -> dict[str, float]:
+            return {"wind": 0.0}
+
+    weight = ForceGravity(CLOTH.masses)
+    laws = internal_forces(CLOTH, materials())
+    assert ForceAssembly(laws, CLOTH.particle_count, [weight]).sums(CLOTH.masses).weight == pytest.approx(9.81 * CLOTH.masses)
+    assembly = ForceAssembly(laws, CLOTH.particle_count, [weight, ForceWind()])
+    with pytest.raises(ValueError, match="wind acts across the vertical"):
+        assembly.sums(CLOTH.masses)
+    total = np.zeros((CLOTH.particle_count, 3))
+    assembly.add_up(np.random.default_rng(0).normal(size=total.shape), np.zeros_like(total), total)
+    assert (CLOTH.masses.sum() * np.array([0.0, -9.81, 1.0])) == pytest.approx(total.sum(axis=0), rel=1e-9)

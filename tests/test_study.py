@@ -92,6 +92,12 @@ def test_only_runs_a_part_but_shows_all_rows(tmp_path: Path) -> None:
     assert [row["case"] for row in run.rows] == ["skirt denim", "shirt silk"]
 
 
+def test_a_name_may_hold_what_other_programs_take_for_a_line_end(tmp_path: Path) -> None:
+    path = tmp_path / "odd.jsonl"
+    path.write_text(json.dumps({"key": ["case"], "case": "a\u2028b\x85c"}, ensure_ascii=False) + "\n", encoding="utf-8")
+    assert [row["case"] for row in read_rows(path)] == ["a\u2028b\x85c"]
+
+
 def test_bad_rows_are_named_by_line(tmp_path: Path) -> None:
     path = tmp_path / "w.jsonl"
     path.write_text(json.dumps({"case": "a", "key": ["case"]}) + "\n[1]\n")

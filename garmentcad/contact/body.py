@@ -52,7 +52,7 @@ class BodyElements:
     `longest` at rest [m].
 
     rise: (V,) m, least gap at each vertex, because a flat triangle between particles h apart dips h^2/(4 R) below a bulge of radius R. largest_gap: m, up to
-    which it counts. The vertices of `surface` are its own, and may move: then `refit`.
+    which it counts. The vertices of `surface` are its own, and may move: then `refit_swept`.
     """
 
     def __init__(self, vertices: np.ndarray, faces: np.ndarray, spacing: float, longest: float) -> None:

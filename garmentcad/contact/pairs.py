@@ -375,10 +375,17 @@ def by_distance(pairs: Pairs, positions: np.ndarray) -> Pairs:
 
 
 def carry_over(before: Pairs, path_m: float, pairs: Pairs) -> None:
-    """Pairs that were there before and stood close, a path of `path_m` after detection, keep their side and impulse."""
+    """Pairs that were there before and stood close, a path of `path_m` after detection, keep their side and impulse. A vertex and a triangle may have the same
+    four nodes as two edges, whose side means another thing."""
     known = np.flatnonzero((before.impulse[:, 0] > 0.0) | (before.due <= path_m))
-    table = {nodes.tobytes(): n for n, nodes in zip(known, before.nodes[known])}
+    table = {row.tobytes(): n for n, row in zip(known, _rows(before)[known])}
+    rows = _rows(pairs)
     for n in range(np.searchsorted(pairs.due, 0.0) if table else 0):
-        source = table.get(pairs.nodes[n].tobytes())
+        source = table.get(rows[n].tobytes())
         if source is not None:
             pairs.side[n], pairs.impulse[n] = before.side[source], before.impulse[source]
+
+
+def _rows(pairs: Pairs) -> np.ndarray:
+    """Kind and nodes (N,5) of each pair."""
+    return np.column_stack([pairs.kind, pairs.nodes])

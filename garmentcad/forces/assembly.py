@@ -86,10 +86,12 @@ class ForceAssembly:
             body_force.add_forces(positions, velocities, out)
 
     def sums(self, masses: np.ndarray) -> Sums:
-        """What compiled steps need of it; masses (P,) [kg]. The body forces are taken at rest: weight."""
-        load = np.zeros((len(masses), 3))
+        """What compiled steps need of it; masses (P,) [kg]. The body forces are taken at rest: weight. ValueError for one that does not act along y."""
+        load, rest = np.zeros((len(masses), 3)), np.zeros((len(masses), 3))
         for force in self.body_forces:
-            force.add_forces(load, load, load)
+            force.add_forces(rest, rest, load)
+            if load[:, [0, 2]].any():
+                raise ValueError(f"{force.name} acts across the vertical; of forces on single particles the stepper takes weight alone, along y")
         return Sums(self._starts, self._slots, self._mixed, self._first_mixed, self._corner_forces, -load[:, 1], masses)
 
     def energy(self, positions: np.ndarray, sliders: dict[str, np.ndarray] | None = None) -> dict[str, float]:

@@ -59,7 +59,10 @@ class SmallMotion:
         arrays."""
         before, mode = np.zeros_like(self._positions), np.random.default_rng(0).standard_normal(self._positions.shape)
         mode[~root(mode).any(axis=1)] = 0.0
-        mode /= math.sqrt(float((mode * mode).sum()))
+        size = math.sqrt(float((mode * mode).sum()))
+        if size == 0.0:
+            return 0.0  # all are held
+        mode /= size
         diagonal, beside = [], [0.0]
         for _ in range(LANCZOS_STEPS):
             way = root(mode)

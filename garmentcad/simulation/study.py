@@ -106,7 +106,7 @@ def read_rows(path: str | Path) -> list[Row]:
     if torn:
         write_atomic(path, f"{whole}\n" if whole else "")
     rows = []
-    for number, line in enumerate(whole.splitlines(), start=1):
+    for number, line in enumerate(whole.split("\n") if whole else [], start=1):
         try:
             row = json.loads(line)
             missing = [name for name in row["key"] if name not in row]

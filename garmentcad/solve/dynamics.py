@@ -111,7 +111,6 @@ class Dynamics:
             if isinstance(force, ForceButton):
                 self._on_shanks[force.corners[force.corners != NO_PARTICLE]] = True
         self.cut_steps = 0
-        self._cuts = 0
         self.hold_still(np.zeros(cloth.particle_count, dtype=bool) if fixed is None else fixed)
         if not getattr(run_steps, "overloads", True):
             self._compile_beside()
@@ -160,7 +159,7 @@ class Dynamics:
             self._estimate_at_home(state)  # a resumed run, or other particles held: what was estimated there is not known here
         fresh = home is None or not known or self._moved_on(state, home)
         if home is None:
-            state.contact |= {"stiff_held": np.zeros_like(state.positions), "stiff_weight": np.ones(len(state.positions))}
+            state.contact |= {"stiff_held": np.zeros_like(state.positions), "stiff_weight": np.ones(len(state.positions)), "cuts_in_row": np.zeros(1)}
         if fresh:
             before = state.time_step_s
             state.contact |= {"stiff_home": state.positions.copy(), "stiff_key": key, "stiff_touching": self.contact.touching(state)}
@@ -213,7 +212,7 @@ class Dynamics:
             limp = np.where(self.fixed | state.contact["stiff_touching"], 0.0, self._stiffness / np.maximum(across, 1e-30))
             self.across[:] = light_across(self.cloth.particle_triangles, home, limp)
         wanted, inverse_masses = smallest, self.true_inverse_masses
-        if equalise:
+        if equalise and moving.any():
             wanted = float(np.median(own[moving]))
             inverse_masses = self.true_inverse_masses / np.maximum(1.0, (wanted / own) ** 2)
         stiff, stages = stiff_particles(own, moving) & ~self._on_shanks, 1
@@ -318,7 +317,7 @@ class Dynamics:
             bonds = self.constraint.bonds(state.constraint_speeds, state.constraint_forces)
         contact.load(state)
         motion = (contact.positions, contact.velocities, contact.inverse_masses)
-        left, resumed, began = steps, False, state.time_s
+        left, resumed, began, in_row = steps, False, state.time_s, state.contact["cuts_in_row"]
         while left > 0:
             t0 = time.perf_counter()
             clock = (state.contact["pair_home"], state.contact["pair_covered"])
@@ -336,7 +335,7 @@ class Dynamics:
             t1 = time.perf_counter()
             self.seconds["steps"] += t1 - t0
             if code == RUNAWAY:
-                self._check(state)
+                raise self._runaway(state)
             if code == TORN:
                 ends = self.cloth.links.ends[int(self._clock[3])]
                 raise DivergedError(self.cloth, ends, f"came apart: a link is over {TORN_LENGTH:g} times as long as its strain limit allows", state)
@@ -348,21 +347,24 @@ class Dynamics:
                 return
             if code == CUT:
                 self.cut_steps += 1
-                self._cuts = 1 if done > 1 else self._cuts + 1
-                if self._cuts == MOST_CUTS:
+                in_row[0] = 1.0 if done > 1 else in_row[0] + 1.0
+                if in_row[0] == MOST_CUTS:
                     raise IntersectingError(self.cloth, self._stuck(state, int(self._clock[3])), state)
             elif done > 0:
-                self._cuts = 0
+                in_row[0] = 0.0
 
     def _stuck(self, state: State, pair: int) -> np.ndarray:
         """Particles of the pair that cut a step; the fastest one where only its speed did (-1)."""
         return self.contact.nodes_of(state, pair) if pair >= 0 else np.array([np.argmax((state.velocities**2).sum(axis=1))])
 
     def _check(self, state: State) -> None:
+        if not (state.velocities**2).sum(axis=1).max(initial=0.0) < RUNAWAY_M_S**2:
+            raise self._runaway(state)
+
+    def _runaway(self, state: State) -> DivergedError:
         squares = np.nan_to_num((state.velocities**2).sum(axis=1), nan=np.inf)
         worst = int(np.argmax(squares))
-        if not squares[worst] < RUNAWAY_M_S**2:
-            raise DivergedError(self.cloth, np.array([worst]), f"reached {math.sqrt(squares[worst]):.3g} m/s, the limit is {RUNAWAY_M_S:g} m/s,", state)
+        return DivergedError(self.cloth, np.array([worst]), f"reached {math.sqrt(squares[worst]):.3g} m/s, the limit is {RUNAWAY_M_S:g} m/s,", state)
 
     def net_forces(self, state: State) -> np.ndarray:
         """Forces of the laws and weight (P,3), N, at zero velocity, and of the constraints, as they were in the last step; contact left out."""

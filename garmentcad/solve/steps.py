@@ -224,10 +224,13 @@ def run_steps(order, controls, forces, stiff, sums, bonds, limit, contact, clock
                     fastest = fastest_of(velocities)
         else:
             fastest = fastest_of(velocities)
+        if not fastest < controls.runaway:
+            return RUNAWAY
         fastest = max(fastest, pace[2])
-        if way + controls.surge * fastest * dt > covered[0]:
+        # as `Contact.detect` has it, to the bit: it would else refuse to look, and a step that asks for a look go on asking
+        if way + controls.surge * (fastest * dt) > covered[0]:
             way = farthest(positions, home)
-            if way + controls.surge * fastest * dt > covered[0]:
+            if way + controls.surge * (fastest * dt) > covered[0]:
                 return LOOK
         part, worst, work, fastest = respond(rules, motion, way, covered[0], fastest)
         clock[1] += work
