@@ -21,7 +21,9 @@ import re
 import shutil
 import subprocess
 import sys
-from contextlib import suppress
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
@@ -77,8 +79,18 @@ def cache_folder() -> Path:
 
 
 @cache
-def _kernel_folder(file: Path) -> Path | None:
-    """Folder of the compiled kernels of a file as it stands, made; None where it cannot be written (a read-only home). Asked once a file: many have a dozen."""
+def _scratch() -> Path:
+    """A folder for the kernels of this process alone, for where none can be kept: numba would put them beside the sources, under a stamp that does not notice
+    changed callees."""
+    folder = tempfile.mkdtemp(prefix="garmentcad-")
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    return Path(folder)
+
+
+@cache
+def _kernel_folder(file: Path) -> Path:
+    """Folder of the compiled kernels of a file as it stands, made; a scratch one where it cannot be written (a read-only home). Asked once a file: many have a
+    dozen."""
     name = str(file.relative_to(_PACKAGE).with_suffix("")).replace(os.sep, ".")
     # One folder a stamp: numba would unpickle an old index before it looks at the stamp, and fail where a type in it is gone.
     home = cache_folder() / hashlib.sha256(str(_PACKAGE).encode()).hexdigest()[:12] / name
@@ -86,11 +98,12 @@ def _kernel_folder(file: Path) -> Path | None:
     for stale in home.glob("*") if not folder.exists() else ():
         if stale != folder:
             shutil.rmtree(stale, ignore_errors=True)
-    try:
+    with suppress(OSError):
         folder.mkdir(parents=True, exist_ok=True)
-    except OSError:
-        return None
-    return folder if os.access(folder, os.W_OK) else None
+    if not os.access(folder, os.W_OK):
+        folder = _scratch() / name
+        folder.mkdir(exist_ok=True)
+    return folder
 
 
 class _ClosureLocator(caching._CacheLocator):
@@ -112,10 +125,8 @@ class _ClosureLocator(caching._CacheLocator):
 
     @classmethod
     def from_function(cls, py_func: Any, py_file: str) -> _ClosureLocator | None:
-        file = _resolved(py_file)
-        if not file.is_relative_to(_PACKAGE) or _kernel_folder(file) is None:
-            return None  # numba's own locators decide
-        return cls(py_func, py_file)
+        # of other files numba's own locators decide
+        return cls(py_func, py_file) if _resolved(py_file).is_relative_to(_PACKAGE) else None
 
 
 @cache
@@ -161,18 +172,37 @@ class _Callee:
 
 
 class KernelCache(caching.FunctionCache):
-    """Numba's disk cache, for kernels that may call others by their symbols."""
+    """Numba's disk cache, for kernels that may call others by their symbols. What cannot be read, after a power loss, say, is compiled anew, and what cannot be
+    written is not kept."""
 
     def _load_overload(self, sig: Any, target_context: Any) -> Any:
-        found = super()._load_overload(sig, target_context)
-        if found is not None:
-            found.library._reload_init.update(found.reload_init)
-        return found
+        with self._emptied_where_damaged():
+            found = super()._load_overload(sig, target_context)
+            if found is not None:
+                found.library._reload_init.update(found.reload_init)
+            return found
+        return None
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        with suppress(OSError), self._emptied_where_damaged():
+            super().save_overload(sig, data)
 
     def has(self, sig: Any, target_context: Any) -> bool:
         """Whether the kernel lies on disk for this signature."""
         target_context.refresh()
-        return self._index_key(sig, target_context.codegen()) in self._cache_file._load_index()
+        with self._emptied_where_damaged():
+            return self._index_key(sig, target_context.codegen()) in self._cache_file._load_index()
+        return False
+
+    @contextmanager
+    def _emptied_where_damaged(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError:
+            raise
+        except Exception:  # a pickle that is torn raises what it likes
+            with suppress(OSError):
+                self._cache_file.flush()
 
 
 def _link(library: Any, other: Any) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import stat
 import threading
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -61,3 +63,20 @@ def test_two_threads_may_write_the_same_file(tmp_path: Path) -> None:
     assert (now, written.result()) == (b"b", path)
     assert path.read_bytes() == b"a" * 10
     assert [left.name for left in tmp_path.iterdir()] == ["state.npz"]
+
+
+def test_links_stay_and_devices_are_refused(tmp_path: Path) -> None:
+    """`--junit /dev/null`, written by root, would else put a file in the place of the device."""
+    (tmp_path / "link").symlink_to(tmp_path / "target")
+    assert write_atomic(tmp_path / "link", "new") == tmp_path / "link"
+    assert (tmp_path / "link").is_symlink()
+    assert (tmp_path / "target").read_text() == "new"
+    os.mkfifo(tmp_path / "pipe")
+    (tmp_path / "piped").symlink_to(tmp_path / "pipe")
+    for name in ("pipe", "piped"):
+        with pytest.raises(FileError, match=rf"{name}: is a device or a pipe"):
+            write_atomic(tmp_path / name, "")
+    assert stat.S_ISFIFO((tmp_path / "pipe").stat().st_mode)
+    (tmp_path / "loop").symlink_to(tmp_path / "loop")
+    with pytest.raises(FileError, match="loop"):
+        write_atomic(tmp_path / "loop" / "file", "")

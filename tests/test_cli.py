@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import json
+import os
+import subprocess
+import sys
 from pathlib import Path
 
+import numba
 import pytest
 from command import garmentcad, garmentcad_here
 from test_bad_input import CASES, Case, place
@@ -170,3 +174,25 @@ def test_a_passport_that_cannot_be_written_is_refused_before_anything_is_measure
     run = garmentcad_here("fabric", "test", "denim", "-o", "taken", folder=tmp_path)
     assert run.returncode == 2
     assert "taken: cannot be the folder of a result" in run.stderr
+
+
+def test_more_threads_than_numba_may_have_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(numba.config, "NUMBA_NUM_THREADS", 2)
+    run = garmentcad_here("drape", "straight-skirt", "--grid", "40", "--threads", "3", folder=tmp_path)
+    assert run.returncode == 2
+    assert "--threads: 3 came; 2 threads are allowed" in run.stderr
+
+
+def test_output_that_cannot_show_a_character_shows_its_number(tmp_path: Path) -> None:
+    environment = os.environ | {"PYTHONIOENCODING": "ascii"}
+    (tmp_path / "gr\u00fcn.yaml").write_text("a: [\n")
+    command = [sys.executable, "-m", "garmentcad", "check", "gr\u00fcn.yaml"]
+    run = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, env=environment, check=False)
+    assert (run.returncode, "Traceback" in run.stderr) == (2, False)
+    assert r"gr\xfcn.yaml" in run.stdout + run.stderr
+
+
+def test_a_file_that_may_not_be_looked_for_is_refused(tmp_path: Path) -> None:
+    run = garmentcad_here("check", f"{'x' * 300}.yaml", folder=tmp_path)
+    assert run.returncode == 2
+    assert "too long" in run.stderr + run.stdout

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from garmentcad.cli.drape import ProgressLine, allow_threads, compile_seconds
+from garmentcad.cli.drape import ProgressLine, allow_threads, compile_seconds, set_threads
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -29,7 +29,6 @@ def bench(
     """Measure drapes from start to rest, and the machine's floor. Exit code 3 where a case did not come to rest clean."""
     if threads is not None:
         allow_threads(threads)
-    import numba
     from numba.core import event
     from numba.np.ufunc.parallel import get_thread_count
 
@@ -38,7 +37,7 @@ def bench(
     from garmentcad.bench.explicit_step import PARTICLES, floor_us
 
     if threads is not None:
-        numba.set_num_threads(threads)
+        set_threads(threads)
     jobs = [case_job(name, grid, fabric, seed) for name in case or case_names()]
     floors = {count: floor_us(count) for count in _FLOOR_THREADS if count <= get_thread_count()}
     warm_up()

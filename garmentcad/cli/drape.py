@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from garmentcad.cli.named import named_numbers
+from garmentcad.errors import InputError
 
 if TYPE_CHECKING:
     from garmentcad.simulation.course import Progress
@@ -54,14 +55,13 @@ def drape(
     began = time.perf_counter()
     if threads is not None:
         allow_threads(threads)
-    import numba
     from numba.core import event
 
     from garmentcad.export.drape import finish
     from garmentcad.simulation.job import make_job
 
     if threads is not None:
-        numba.set_num_threads(threads)
+        set_threads(threads)
     named = named_numbers(values, "--set")
     with event.install_recorder("numba:compile") as compiled:
         job = make_job(spec, fabric, mannequin, grid_mm=grid, seed=seed, mode=mode.value, max_time_s=max_time, pose=pose, values=named)
@@ -81,6 +81,16 @@ def allow_threads(threads: int) -> None:
     """Numba fixes its pool when it is first imported."""
     if "numba" not in sys.modules:
         os.environ.setdefault("NUMBA_NUM_THREADS", str(max(threads, os.cpu_count() or 1)))
+
+
+def set_threads(threads: int) -> None:
+    """After the program is loaded, which sets how threads wait. InputError for more than numba's pool has."""
+    import numba
+
+    most = numba.config.NUMBA_NUM_THREADS  # type: ignore[attr-defined]
+    if threads > most:
+        raise InputError(f"{threads} came; {most} threads are allowed, as many as NUMBA_NUM_THREADS or the processors", key="--threads")
+    numba.set_num_threads(threads)
 
 
 def compile_seconds(buffer: list) -> float:  # type: ignore[type-arg]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+import os
 import sys
 from collections.abc import Sequence
 from typing import Any
@@ -67,6 +69,7 @@ def _root(show_version: bool = typer.Option(False, "--version", help="Print the 
 
 def run() -> None:
     """Entry point. Exit codes: 0 done, 1 fault of the program, 2 input refused, 3 not at rest or intersecting, 4 assertion failed, 130 interrupted."""
+    _mend_streams()
     try:
         app()
     except InputError as error:
@@ -75,5 +78,21 @@ def run() -> None:
     except GarmentError as error:
         print(f"garmentcad: {error}", file=sys.stderr)
         sys.exit(EXIT_NOT_AT_REST)
+    except OSError as error:
+        if error.filename is None:
+            raise
+        print(f"garmentcad: {error.filename}: {error.strerror}", file=sys.stderr)
+        sys.exit(EXIT_REFUSED)
     except KeyboardInterrupt:
         sys.exit(EXIT_INTERRUPTED)
+
+
+def _mend_streams() -> None:
+    """Output that is closed takes what it is given, and one that cannot show a character shows its number: what is done must not fail by what is printed of
+    it."""
+    for name in ("stdout", "stderr"):
+        stream = getattr(sys, name)
+        if stream is None:
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115
+        elif isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from garmentcad.cli.drape import ProgressLine, allow_threads
+from garmentcad.cli.drape import ProgressLine, allow_threads, set_threads
 from garmentcad.errors import InputError
 
 if TYPE_CHECKING:
@@ -37,12 +37,11 @@ def garment_test(
             raise InputError("baselines are written beside their tests, and nothing is tested; leave one of the two out", key=f"--remake {option}")
     if threads is not None:
         allow_threads(threads)
-    import numba
 
     from garmentcad.io.garment_test_file import find_garment_tests, read_garment_tests
 
     if threads is not None:
-        numba.set_num_threads(threads)
+        set_threads(threads)
     cases = [case for path in paths for file in find_garment_tests(path) for case in read_garment_tests(file)]
     if remake:
         _remake(cases, lays, quiet)

@@ -17,12 +17,16 @@ def write_atomic(path: str | Path, content: bytes | str | Callable[[BinaryIO], N
     """Write `content` to a temporary name in the same folder, fsync it, and rename it to `path`.
 
     content: bytes, text (stored as UTF-8), or a function that writes into the open binary file it is given. If the function raises, the file that
-    stood at `path` stays as it was and nothing is left beside it; else the new one has the permissions of the old. Missing folders are made. Raises
-    FileError where the folder cannot be written and for a path that names no file.
+    stood at `path` stays as it was and nothing is left beside it; else the new one has the permissions of the old. A link stays one, to the new file.
+    Missing folders are made. Raises FileError where the folder cannot be written and for a path that names no file.
     """
-    path = Path(path)
+    named = path = Path(path)
     if not path.name:
         raise FileError("is a folder; a file is wanted", file=str(path))
+    with suppress(OSError, RuntimeError):  # a link stays one; a loop of links is told as what cannot be written
+        path = path.resolve() if path.is_symlink() else path
+        if stat.S_IFMT(path.stat().st_mode) not in (stat.S_IFREG, stat.S_IFDIR):
+            raise FileError("is a device or a pipe; a file is wanted", file=str(named))
     temporary = _temporary(path, f"{os.getpid()}-{threading.get_native_id()}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -42,10 +46,10 @@ def write_atomic(path: str | Path, content: bytes | str | Callable[[BinaryIO], N
         with suppress(OSError):
             temporary.unlink(missing_ok=True)
         if isinstance(error, OSError):
-            raise FileError(f"cannot write: {error.strerror or error}", file=str(path)) from error
+            raise FileError(f"cannot write: {error.strerror or error}", file=str(named)) from error
         raise
     _sync_folder(path.parent)
-    return path
+    return named
 
 
 def remove_unfinished(path: str | Path) -> None:

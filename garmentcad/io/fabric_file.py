@@ -79,7 +79,7 @@ def write_fabric(sheet: KesSheet, path: str | Path) -> Path:
 def write_law(path: str | Path, law: CalibratedLaw) -> Path:
     """Put `law` into a YAML fabric file in place of one that stands there; every other line stays as it was typed. FileError where it cannot be written, or
     where the file is laid out so that lines cannot be put into it; FabricError for a file that is no YAML fabric."""
-    path = Path(path).resolve()  # a link stays one
+    path = Path(path)
     wanted = sheet_from(read_yaml(path), str(path)).model_copy(update={"law": law})
     typed = path.read_bytes().decode("utf-8")
     end = "\r\n" if "\r\n" in typed else "\n"

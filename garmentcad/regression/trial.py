@@ -89,7 +89,7 @@ def setting(case: GarmentTestCase, job: Job) -> dict[str, str]:
     """What a baseline must agree with. Not the spec itself: a garment that was changed is what a test is to find."""
     fabric = job.fabrics[job.pattern.fabric].sheet.name
     return {
-        "garment": job.pattern.name, "fabric": fabric, "mannequin": job.mannequin.name, "grid_mm": f"{job.grid_mm:g}", "lays_in_test": str(case.test.lays),
+        "garment": job.pattern.name, "fabric": fabric, "mannequin": job.mannequin.name, "grid_mm": f"{job.grid_mm:.12g}", "lays_in_test": str(case.test.lays),
     }  # fmt: skip
 
 

@@ -69,7 +69,7 @@ class Job:
         # by their own names: a spec knows a fabric that stands in place of its own by the name of that one
         sheets = ", ".join(f"{completed.sheet.name} {sheet_sha256(completed.sheet)}" for _, completed in sorted(self.fabrics.items()))
         return {
-            "spec": self.spec_sha256, "fabric": sheets, "mannequin": body.hexdigest(), "grid_mm": f"{self.grid_mm:g}", "seed": str(self.seed),
+            "spec": self.spec_sha256, "fabric": sheets, "mannequin": body.hexdigest(), "grid_mm": f"{self.grid_mm:.12g}", "seed": str(self.seed),
             "mode": self.mode, "version": __version__,
         }  # fmt: skip
 
