@@ -224,8 +224,8 @@ def run_steps(order, controls, forces, stiff, sums, bonds, limit, contact, clock
                     fastest = fastest_of(velocities)
         else:
             fastest = fastest_of(velocities)
-        if not fastest < controls.runaway:
-            return RUNAWAY
+        if not fastest < np.inf:
+            return RUNAWAY  # no look would cover that way
         fastest = max(fastest, pace[2])
         # as `Contact.detect` has it, to the bit: it would else refuse to look, and a step that asks for a look go on asking
         if way + controls.surge * (fastest * dt) > covered[0]:
