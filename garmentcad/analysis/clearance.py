@@ -38,9 +38,9 @@ def clearing_moves(pattern: Pattern, cloth: Cloth, positions: np.ndarray, manneq
     """Moves after which no two panels touch, and those that lie flat (placed by a transform) do not touch the body. Empty where they do not anyway.
 
     positions (V,3) m: vertices as placed. Two panels part along the line between their middles; a panel leaves the body on its right side, which is the
-    outer one. What a mapping rule wrapped around the body stays for a flat one. From another wrapped one it parts upward and downward; where neither lies
-    higher, or many rounds of that do not help, sideways. What is `worn` already stays for all. Where nothing helps, the panels are left as they are: whoever
-    starts looks again.
+    outer one. What a mapping rule wrapped around the body stays for a flat one. From another wrapped one it parts upward and downward; left and right
+    halves of one height, and others where many rounds of that do not help, sideways. What is `worn` already stays for all. Where nothing helps, the panels
+    are left as they are: whoever starts looks again.
     """
     upright = _moves(pattern, cloth, positions, mannequin, worn, False)
     return upright if upright is not None else _moves(pattern, cloth, positions, mannequin, worn, True) or []
@@ -69,8 +69,8 @@ def _moves(pattern: Pattern, cloth: Cloth, positions: np.ndarray, mannequin: Man
             length = norm(apart)
             direction = apart / length if length > STEP_M else normals[a]
             if not flat[a] and not flat[b]:
-                # mirror images, say: neither lies above the other
-                beside = abs(middles[a, 1] - middles[b, 1]) < STEP_M < norm((middles[a] - middles[b])[[0, 2]])
+                x, y, z = np.abs(middles[a] - middles[b])
+                beside = y < STEP_M < x > z  # left and right halves, of which neither lies above the other
                 direction = _level(apart) if sideways or beside else np.array([0.0, math.copysign(1.0, direction[1]), 0.0])
             for panel, other, way in ((a, b, direction), (b, a, -direction)):
                 if flat[panel] or (free[panel] and not flat[other]):
