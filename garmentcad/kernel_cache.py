@@ -260,7 +260,8 @@ def compile_beside(*wanted: tuple[Any, tuple[Any, ...]]) -> None:
     missing = []
     for dispatcher, arguments in wanted:
         signature = tuple(typeof(argument) for argument in arguments)
-        if isinstance(getattr(dispatcher, "_cache", None), KernelCache) and not _is_compiled(dispatcher, signature):
+        kept = getattr(dispatcher, "_cache", None)  # in a scratch folder no other process would find it
+        if isinstance(kept, KernelCache) and Path(kept.cache_path).is_relative_to(cache_folder()) and not _is_compiled(dispatcher, signature):
             missing.append((dispatcher.py_func.__module__, dispatcher.py_func.__name__, signature))
     if not missing:
         return

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterator
 from typing import Any
 
@@ -15,10 +16,10 @@ _WORD = re.compile(r"[A-Za-z_]\w*")
 def check_unused(spec: GarmentSpec) -> Iterator[Finding]:
     """A note for each; what only another unused one needs counts as used, so that one slip is told once, and so does what an edge or a point is called."""
     said = spec.model_dump(exclude={"description", "tests"})
+    words = Counter(_words(said))
     for kind in ("parameters", "values"):
-        for name in said[kind]:
-            rest = {**said, kind: {other: entry for other, entry in said[kind].items() if other != name}}
-            if name not in set(_words(rest)):
+        for name, own in said[kind].items():
+            if words[name] == Counter(_words(own))[name]:
                 yield Finding(
                     "note", "name-unused", spec.file, f"{kind}.{name}", f"{name} is used nowhere: another number for it changes nothing",
                     "Use it in a point, an edge or another value, or leave it out.",

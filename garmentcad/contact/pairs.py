@@ -378,14 +378,14 @@ def carry_over(before: Pairs, path_m: float, pairs: Pairs) -> None:
     """Pairs that were there before and stood close, a path of `path_m` after detection, keep their side and impulse. A vertex and a triangle may have the same
     four nodes as two edges, whose side means another thing."""
     known = np.flatnonzero((before.impulse[:, 0] > 0.0) | (before.due <= path_m))
-    table = {row.tobytes(): n for n, row in zip(known, _rows(before)[known])}
-    rows = _rows(pairs)
-    for n in range(np.searchsorted(pairs.due, 0.0) if table else 0):
-        source = table.get(rows[n].tobytes())
+    table = dict(zip(_keys(before.kind[known], before.nodes[known]), known))
+    close = np.searchsorted(pairs.due, 0.0) if table else 0
+    for n, key in enumerate(_keys(pairs.kind[:close], pairs.nodes[:close])):
+        source = table.get(key)
         if source is not None:
             pairs.side[n], pairs.impulse[n] = before.side[source], before.impulse[source]
 
 
-def _rows(pairs: Pairs) -> np.ndarray:
-    """Kind and nodes (N,5) of each pair."""
-    return np.column_stack([pairs.kind, pairs.nodes])
+def _keys(kind: np.ndarray, nodes: np.ndarray) -> list[bytes]:
+    """What tells a pair from all others, from kind (N,) and nodes (N,4)."""
+    return [row.tobytes() for row in np.column_stack([kind, nodes])]

@@ -56,59 +56,41 @@ def _group_name(name: str) -> str:
 
 def read_garment_obj(path: str | Path) -> tuple[np.ndarray, np.ndarray]:
     """Positions (P,3) m and triangles (F,3) that `write_garment_obj` wrote, of whatever version. Raises MeshError for anything else."""
-    vertices: list[list[float]] = []
-    faces: list[list[int]] = []
-    try:
-        for line in read_bytes(path, MAX_BYTES).decode("utf-8").splitlines():
-            keyword, *words = line.split() or ["#"]
-            if keyword == "v":
-                vertices.append([float(word) for word in words])
-            elif keyword == "f":
-                faces.append([int(word.partition("/")[0]) - 1 for word in words])
-        points, corners = floats(vertices), indices(faces)
-        if not (
-            points.shape[1:] == corners.shape[1:] == (3,)
-            and (np.abs(points) < FARTHEST_M).all()
-            and len(corners)
-            and corners.min() >= 0
-            and corners.max() < len(points)
-        ):
-            raise ValueError("faces and vertices do not fit together")
-    except FileError as fault:
-        raise MeshError(fault.message, file=str(path)) from None
-    except (ValueError, IndexError, OverflowError) as error:
-        raise MeshError(f"is not a garment written by garmentcad ({error})", file=str(path)) from error
+    points, corners, _, _ = _read(path, "garment")
     return points, corners
 
 
 def read_mannequin_obj(path: str | Path) -> Mannequin:
     """The surface and parts that `write_mannequin_obj` wrote (no measurements, landmarks or cylinders). Raises MeshError for anything else."""
+    points, corners, parts, part = _read(path, "mannequin")
+    if part.min() < 0:
+        raise MeshError("is not a mannequin written by garmentcad (faces before the first group)", file=str(path))
+    return Mannequin(Path(path).stem, points, corners, {}, {}, {}, parts, part)
+
+
+def _read(path: str | Path, what: str) -> tuple[np.ndarray, np.ndarray, tuple[str, ...], np.ndarray]:
+    """Points (P,3) m, triangles (F,3), names of the groups, group of each triangle (F,) int32, -1 before the first. MeshError for what is no `what`."""
     vertices: list[list[float]] = []
     faces: list[list[int]] = []
-    parts: list[str] = []
-    part: list[int] = []
+    groups: list[str] = []
+    group: list[int] = []
     try:
         for line in read_bytes(path, MAX_BYTES).decode("utf-8").splitlines():
             keyword, *words = line.split() or ["#"]
             if keyword == "v":
                 vertices.append([float(word) for word in words])
             elif keyword == "g":
-                parts.append(words[0])
+                groups.append(words[0])
             elif keyword == "f":
-                faces.append([int(word) - 1 for word in words])
-                part.append(len(parts) - 1)
+                faces.append([int(word.partition("/")[0]) - 1 for word in words])
+                group.append(len(groups) - 1)
         points, corners = floats(vertices), indices(faces)
-        if not (
-            points.shape[1:] == corners.shape[1:] == (3,)
-            and (np.abs(points) < FARTHEST_M).all()
-            and len(corners)
-            and corners.min() >= 0
-            and corners.max() < len(points)
-            and min(part) >= 0
-        ):
-            raise ValueError("faces, vertices and groups do not fit together")
+        if not points.shape[1:] == corners.shape[1:] == (3,):
+            raise ValueError("points of three numbers and triangles are wanted")
+        if not ((np.abs(points) < FARTHEST_M).all() and corners.min() >= 0 and corners.max() < len(points)):
+            raise ValueError("faces and vertices do not fit together")
     except FileError as fault:
         raise MeshError(fault.message, file=str(path)) from None
     except (ValueError, IndexError, OverflowError) as error:
-        raise MeshError(f"is not a mannequin written by garmentcad ({error})", file=str(path)) from error
-    return Mannequin(Path(path).stem, points, corners, {}, {}, {}, tuple(parts), indices(part))
+        raise MeshError(f"is not a {what} written by garmentcad ({error})", file=str(path)) from error
+    return points, corners, tuple(groups), indices(group)

@@ -67,7 +67,7 @@ def fit_fast(values: Mapping[str, float]) -> list[FittedValue]:
             raise FabricError(f"{number:g} {quantity.unit} is impossible for {quantity.meaning}; {low:g} to {high:g} is allowed", key=key)
     fitted = []
     for way in WAYS:
-        fitted += _tension({name: values[f"{name}.{way}"] for name in LOADS_GF_CM if f"{name}.{way}" in values}, way)
+        fitted += _tension(_extensions(values, way), way)
     if fitted:
         of = tuple(key for key in values if key.partition(".")[0] in LOADS_GF_CM)
         fitted.append(FittedValue("Fm", FORCE_GF_CM, FORCE_GF_CM, FORCE_GF_CM, "the largest load of FAST-3", of))
@@ -86,7 +86,7 @@ def doubtful(values: Mapping[str, float]) -> list[Finding]:
     """Findings on extensions of which `fit_fast` makes a curve that they do not lie on, or one at the end of what a sheet may have."""
     found = []
     for way in WAYS:
-        readings = {name: values[f"{name}.{way}"] for name in LOADS_GF_CM if f"{name}.{way}" in values}
+        readings = _extensions(values, way)
         if len(readings) < 2:
             continue
         curve = _fit_curve([LOADS_GF_CM[name] for name in readings], list(readings.values()))
@@ -98,6 +98,11 @@ def doubtful(values: Mapping[str, float]) -> list[Finding]:
         if any(abs(linear - end) < AT_END for end in quantity_of("LT").possible):
             found.append(Finding("warning", f"LT.{way}", f"{came} ask for an LT beyond {linear:.2f}, the last that a sheet may have; it is no measurement"))
     return found
+
+
+def _extensions(values: Mapping[str, float], way: str) -> dict[str, float]:
+    """The extensions [%] of a direction by name (`E5`)."""
+    return {name: values[f"{name}.{way}"] for name in LOADS_GF_CM if f"{name}.{way}" in values}
 
 
 def _tension(readings: dict[str, float], way: str) -> list[FittedValue]:

@@ -69,12 +69,13 @@ def unread(loops: Sequence[RecordedLoop]) -> list[Finding]:
     """A finding for each width and each way of a loop that is not read."""
     found = []
     for loop in loops:
+        sides = _sides(loop)
         for name, at in READINGS[loop.test].widths.items():
-            if not _reached(loop, _sides(loop), at):
+            if not _reached(loop, sides, at):
                 unit, beyond = READINGS[loop.test].unit, TURNED * READINGS[loop.test].near
                 why = f"no side of the record goes {beyond:g} {unit} beyond and comes back to there"
                 found.append(Finding("warning", f"{loop.file}: {loop.place}", f"{name}.{loop.way}, at {at:g} {unit}, is not read: {why}"))
-        left = np.setdiff1d(np.arange(len(loop.x)), np.concatenate([side.samples for side in _sides(loop)]))
+        left = np.setdiff1d(np.arange(len(loop.x)), np.concatenate([side.samples for side in sides]))
         if len(left) and np.ptp(loop.x[left]) > TURN * np.ptp(loop.x):
             what = f"{len(left)} of {len(loop.x)} samples, the first of them {left[0] + 1}, are not used"
             why = "of each side of zero the first way out and the first way back are read"

@@ -160,7 +160,7 @@ def complete(sheet: KesSheet) -> Completed:
         filled[rule.key] = KesValue(value=number, estimate=rule.text)
         unit = "" if quantity.unit == "-" else f" {quantity.unit}"
         findings.append(Finding(rule.severity, rule.key, f"missing; taken as {number:.4g}{unit}: {rule.text}"))
-    findings += _strained(numbers, filled, sheet.shear_window_deg)
+    findings += _disagreements(numbers, filled, sheet.shear_window_deg)
     for way in ("warp", "weft"):
         least = 100.0 * least_resilience(solve_exponent(numbers[f"LT.{way}"]))
         if numbers[f"RT.{way}"] < least:
@@ -171,12 +171,11 @@ def complete(sheet: KesSheet) -> Completed:
     return Completed(done, tuple(findings), frozenset(filled))
 
 
-def _strained(numbers: Mapping[str, float], filled: Mapping[str, KesValue], window_deg: tuple[float, float]) -> Iterator[Finding]:
+def _disagreements(numbers: Mapping[str, float], filled: Mapping[str, KesValue], window_deg: tuple[float, float]) -> Iterator[Finding]:
     """Where what was filled does not agree with what was given, or the laws cannot have both."""
     for name in dict.fromkeys(key.partition(".")[0] for key in filled):
-        warp, weft, mean = (numbers.get(f"{name}.{way}") for way in ("warp", "weft", "mean"))
-        if warp is not None and weft is not None and mean is not None and f"{name}.mean" not in filled and abs(mean - (warp + weft) / 2) > _APART * mean:
-            yield Finding("warning", f"{name}.mean", f"{mean:g} is not the mean of warp {warp:.4g} and weft {weft:.4g}, which follow from other values")
+        if f"{name}.mean" not in filled:
+            yield from _off_mean(numbers, name, ", which follow from other values")
     slope, narrow, wide = (0.5 * (numbers[f"{name}.warp"] + numbers[f"{name}.weft"]) for name in ("G", "2HG", "2HG5"))
     if elastic_slope(slope, narrow, wide, window_deg) <= LEAST_ELASTIC * slope:
         yield Finding("warning", "2HG5", f"with 2HG = {narrow:g} and 2HG5 = {wide:g} friction rises about as fast as G = {slope:g}; G/10 is left")
@@ -212,6 +211,13 @@ def _unusual(sheet: KesSheet) -> Iterator[Finding]:
             yield Finding("warning", key, f"{value.value:g} {quantity.unit} is outside the usual {low:g} to {high:g}{slip}")
 
 
+def _off_mean(numbers: Mapping[str, float], name: str, tail: str) -> Iterator[Finding]:
+    """A printed mean that is not that of warp and weft. tail: of the message."""
+    warp, weft, mean = (numbers.get(f"{name}.{way}") for way in ("warp", "weft", "mean"))
+    if warp is not None and weft is not None and mean is not None and abs(mean - (warp + weft) / 2) > _APART * mean:
+        yield Finding("warning", f"{name}.mean", f"{mean:g} is not the mean of warp {warp:.4g} and weft {weft:.4g}{tail}")
+
+
 def _contradictions(sheet: KesSheet) -> Iterator[Finding]:
     numbers = {key: value.value for key, value in sheet.values().items()}
     fm = numbers.get("Fm", USUAL_FM)
@@ -227,9 +233,7 @@ def _contradictions(sheet: KesSheet) -> Iterator[Finding]:
                 raise FabricError(f"{message}: one of the four is wrong, or leave WT out", key=f"WT.{way}")
             yield Finding("warning", "WT.mean", message)
     for quantity in QUANTITIES.values():
-        warp, weft, mean = (numbers.get(f"{quantity.name}.{way}") for way in ("warp", "weft", "mean"))
-        if warp is not None and weft is not None and mean is not None and abs(mean - (warp + weft) / 2) > _APART * mean:
-            yield Finding("warning", f"{quantity.name}.mean", f"{mean:g} is not the mean of warp {warp:g} and weft {weft:g}; warp and weft are used")
+        yield from _off_mean(numbers, quantity.name, "; warp and weft are used")
     for small, large in (("2HG", "2HG5"), ("Tm", "T0")):
         for way in ("", ".warp", ".weft", ".mean"):
             a, b = numbers.get(small + way), numbers.get(large + way)

@@ -27,7 +27,7 @@ ALONE_AT_END = 0.5  # share of the range, of the last sample before a turn from 
 AT_TURN = 0.002  # share of the way within which the recorder stands
 CLIPPED = 0.05  # share of the way over which the force or moment stands still at its largest
 MOST_DECIMALS = 5  # to which a record may be printed so that it counts as rounded
-STEPS = 3.0  # a curve printed in few steps stands on each; on the last one no longer than on so many
+STANDS_ON = 3.0  # steps: a curve printed in few steps stands on each; on the last one no longer than on so many
 COPIES = 60  # evaluations with the noise added once more
 SIGMAS = 3.0
 
@@ -103,7 +103,7 @@ def _refuse_still(loop: RecordedLoop, a: int, b: int, least: float) -> None:
     x, y = loop.x[a : b + 1], loop.y[a : b + 1]
     for value in (y.max(),) if loop.test == "tension" else (y.max(), y.min()):
         still = np.flatnonzero(y == value)
-        if np.ptp(x[still]) > max(least, STEPS * printed_step(y) / max(_range(y), 1e-12) * np.ptp(x)) and len(still) == still[-1] - still[0] + 1:
+        if np.ptp(x[still]) > max(least, STANDS_ON * printed_step(y) / max(_range(y), 1e-12) * np.ptp(x)) and len(still) == still[-1] - still[0] + 1:
             raise loop.refuse(f"samples {a + still[0] + 1} to {a + still[-1] + 1} stand still at {value:g}: the amplifier clips")
 
 

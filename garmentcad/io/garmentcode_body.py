@@ -52,7 +52,7 @@ def mannequin_of_body(data: dict[str, Any]) -> dict[str, Any]:
     """
     for name in data:
         if name != "body":
-            raise MannequinError(f"{name!r} is not a key of GarmentCode's measurements; allowed: body")
+            raise MannequinError(f"{name!r} is not a key of GarmentCode's measurements; allowed: body", key=str(name))
     body = data["body"]
     for name, value in body.items():
         if name not in (*_USED, *_UNUSED) and not name.startswith("_"):  # GarmentCode derives those with an underscore from the others
