@@ -196,3 +196,11 @@ def test_a_file_that_may_not_be_looked_for_is_refused(tmp_path: Path) -> None:
     run = garmentcad_here("check", f"{'x' * 300}.yaml", folder=tmp_path)
     assert run.returncode == 2
     assert "too long" in run.stderr + run.stdout
+
+
+def test_what_was_noticed_of_a_file_of_a_fabric_is_printed(tmp_path: Path) -> None:
+    """What belongs to no value of the sheet stands below the table."""
+    (tmp_path / "lab.csv").write_text("name;W;B warp;Drape %\na;12;0.1;80\n")
+    said = "warning: line 1, column 'Drape %': not understood; its 1 values are not used"
+    assert said in garmentcad_here("fabric", "show", "lab.csv", folder=tmp_path).stdout.splitlines()
+    assert json.loads(garmentcad_here("fabric", "show", "lab.csv", "--json", folder=tmp_path).stdout)["findings"] == [said]

@@ -202,3 +202,12 @@ def test_a_second_shear_loop_in_a_column_is_a_finding(tmp_path: Path) -> None:
     values, loops, _ = read_fit_files([file])
     said = [str(finding) for finding in fit_sheet("x", values, loops).findings]
     assert f"warning: {file}: column 'force [gf/cm]': 200 of 400 samples, the first of them 201, are not used" in said[0]
+
+
+def test_two_files_of_one_name_are_told_apart(tmp_path: Path) -> None:
+    for folder, text in (("a", "property;value\nW;12\nT0;0.3\n"), ("b", "property;warp;weft\nB;0.1;0.05\n")):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "values.csv").write_text(text)
+    values, loops, _ = read_fit_files([tmp_path / "a" / "values.csv", tmp_path / "b" / "values.csv"])
+    sheet = fit_sheet("both", values, loops).sheet
+    assert [sheet.origin(key) for key in ("W", "B.warp")] == [f"given in {tmp_path / folder / 'values.csv'}" for folder in ("a", "b")]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -67,3 +68,12 @@ def test_a_garment_beyond_all_bounds_is_refused(tmp_path: Path) -> None:
     (tmp_path / "garment.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1e300 0\nf 1/1 2/2 3/3\n")
     with pytest.raises(MeshError, match="is not a garment written by garmentcad"):
         read_garment_obj(tmp_path / "garment.obj")
+
+
+@pytest.mark.parametrize("reader", [read_garment_obj, read_mannequin_obj])
+@pytest.mark.parametrize("text", ["v 0 0\nv 1 0\nv 0 1\ng a\nf 1 2 2\n", "v 0 0 0\nv 1 0 0\nv 0 1 0\ng a\nf 1 2\nf 2 3\nf 3 1\n"], ids=["points", "edges"])
+def test_numbers_that_only_fit_in_all_are_refused(reader: Callable[[Path], object], text: str, tmp_path: Path) -> None:
+    """Three points of two numbers are not two points of three."""
+    (tmp_path / "a.obj").write_text(text)
+    with pytest.raises(MeshError, match="points of three numbers and triangles are wanted"):
+        reader(tmp_path / "a.obj")

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from garmentcad.fabric.material import MaterialTable, without_friction
+from garmentcad.fabric.material import MaterialTable, material_row, without_friction
 from garmentcad.fabric.missing import complete
 from garmentcad.fabric.sheet import KesSheet, KesValue, is_calibrated, sheet_from
 from garmentcad.io.fabric_file import fabric_names, fabric_path, load_fabric, read_fabric, write_fabric, write_law
@@ -17,6 +17,7 @@ from garmentcad.rigs.calibrate import beyond_tester_percent, calibrate, correcti
 from garmentcad.rigs.kes import KesTester, Record, run_tester, sheet_materials
 from garmentcad.rigs.off_grain import clamped_stiffness, sheet_stiffness
 from garmentcad.rigs.shear import clamped_share, printed_shear, shear_test
+from garmentcad.rigs.sheet_curves import sheet_curves
 from garmentcad.rigs.specimen import Specimen
 from garmentcad.rigs.tension import tension_test
 from garmentcad.units import GF_CM2_CM_TO_N_M, GF_CM_DEG_TO_N_M_RAD
@@ -190,3 +191,13 @@ def test_law_values_go_into_the_file_and_leave_every_other_line_as_it_was(tmp_pa
         assert is_calibrated(done.sheet)
         assert done.sheet.law == law
         assert path.read_text().startswith(before)
+
+
+@pytest.mark.parametrize(("change", "slope"), [({"shear_window_deg": [0.5, 8.0]}, 1.0 - (4.5 / 7.5) * 4.0 / 9.0), ({"G": 0.4}, 0.04)])
+def test_the_curve_that_a_passport_draws_is_that_of_the_law(change: dict, slope: float) -> None:
+    """Middle between the ways of a loop: G_e by the window of the sheet, and never below G/10."""
+    sheet = complete(sheet_from({"schema": 1, "name": "x", "source": "made up", "W": 20, "G": 1.0, "2HG": 1.0, "2HG5": 5.0, **change})).sheet
+    out, back = sheet_curves(sheet, KesTester("shear", "warp"), 8.0)
+    middle = 0.5 * (out.y + back.y)
+    assert (middle[-1] - middle[0]) / (out.x[-1] - out.x[0]) == pytest.approx(slope)
+    assert material_row(sheet).shear / GF_CM_DEG_TO_N_M_RAD == pytest.approx(slope)
