@@ -22,9 +22,8 @@ LOW, HIGH = math.radians(_LOW_DEG), math.radians(_HIGH_DEG)
 
 
 def rising_share(low_deg: float, high_deg: float) -> float:
-    """Share of a window of angles, degrees, on which H rises: all of the tester's 0.5 to 2.5."""
-    rising = min(max(high_deg, _LOW_DEG), _HIGH_DEG) - min(max(low_deg, _LOW_DEG), _HIGH_DEG)
-    return rising / (high_deg - low_deg)
+    """Share of a window of angles, degrees from 0.5 on, on which H rises: all of the tester's 0.5 to 2.5."""
+    return (min(high_deg, _HIGH_DEG) - min(low_deg, _HIGH_DEG)) / (high_deg - low_deg)
 
 
 def elastic_slope(slope: float, narrow: float, wide: float, window_deg: tuple[float, float]) -> float:
