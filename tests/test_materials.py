@@ -84,6 +84,7 @@ def test_impossible_cloth_names_the_region() -> None:
     with pytest.raises(SpecError, match="impossible") as caught:
         lay_out(job(regions=[{"name": "slab", "polygon": square(0, 100), "factors": {"W": 30}, "interfacing": "fusible"}]))
     assert caught.value.key == "panels.p.regions.0.W"
+    assert caught.value.file == "x.yaml"
 
 
 def test_an_interfacing_that_makes_impossible_cloth_names_the_panel() -> None:
