@@ -158,6 +158,9 @@ RING = [["right.belt_front", "right.belt_back"], ["left.belt_back", "left.belt_f
         ({"elastics": [{"name": "e", "along": RING, "ratio": 0.5, "stiffness": 9}]}, []),
         ({"elastics": [{"name": "e", "along": RING, "ratio": 1, "stiffness": 9}]}, []),
         ({"elastics": [{"name": "e", "along": RING, "ratio": 1.2, "stiffness": 9}]}, [("warning", "elastic-slack", "elastics.e.ratio")]),
+        # Drawn out from half its length it pulls its stiffness; 5.9 kPa on 100 mm of a round body of radius 120 mm are 70.8 N.
+        ({"elastics": [{"name": "e", "along": RING, "ratio": 0.5, "stiffness": 70}]}, []),
+        ({"elastics": [{"name": "e", "along": RING, "ratio": 0.5, "stiffness": 72}]}, [("warning", "elastic-strong", "elastics.e.stiffness")]),
     ],
 )
 def test_what_is_in_other_units_is_found(more: dict[str, Any], codes: list[tuple[str, str, str]]) -> None:

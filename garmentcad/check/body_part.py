@@ -11,6 +11,8 @@ from garmentcad.analysis.passing import STEP_M, girths_along, hand_girth_mm, hea
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.units import MM_TO_M
 
+# Pressure at which clothing begins to hurt: 60 to 100 gf/cm2, Denton 1972 (Fit, stretch and comfort, Shirley Institute).
+HURTS_PA = 5.9e3
 _ABOVE_ANKLE_M, _NECK_M, _BELOW_NECK_M = 0.02, 0.10, 0.15  # below the neck lies a neckline
 
 

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from garmentcad.analysis.penetration import signed_distances
+from garmentcad.check.body_part import HURTS_PA
 from garmentcad.check.doctor import refusal
 from garmentcad.check.finding import Finding
 from garmentcad.check.placement import SHALLOW_M
@@ -26,6 +27,7 @@ from garmentcad.units import M_TO_MM, MM_TO_M
 _GATHERED = 3.0  # a belt draws no more cloth together, and hangs around no body that is so many times slimmer: a length in cm or inches, say
 _PARALLEL, _NEAR_M, _BESIDE_M = 0.9, 0.1, 0.3  # cosine between the layers of a button, and distances to its hole: over each other as placed, or beside
 _INSIDE_M = 0.001  # layers nearer to each other say nothing
+_WIDEST_M, _WAIST_MM = 0.1, 700.0  # of an elastic, and of a body that does not say; estimates
 _FAR_M = 0.5  # between a pin and the point that it holds, as placed
 
 
@@ -49,7 +51,7 @@ def check_hardware(
         )  # fmt: skip
     yield from _check_pins(pattern, flat, positions, mannequin, file)
     yield from _check_buttons(pattern, flat, positions, file)
-    yield from _check_elastics(pattern, file)
+    yield from _check_elastics(pattern, mannequin, file)
     yield from _check_belts(pattern, mannequin, file)
 
 
@@ -97,8 +99,18 @@ def _on_panel(flat: Cloth, positions: np.ndarray, point: PanelPoint) -> tuple[np
     return place.weights[0] @ np.array([a, b, c]), normal / np.linalg.norm(normal)
 
 
-def _check_elastics(pattern: Pattern, file: str | None) -> Iterator[Finding]:
+def _check_elastics(pattern: Pattern, mannequin: Mannequin, file: str | None) -> Iterator[Finding]:
+    """Elastics longer than what they are sewn to, and those that pull harder than the widest usual one may around the waist before it hurts."""
+    most = HURTS_PA * _WIDEST_M * MM_TO_M * mannequin.measurements_mm.get("waist", _WAIST_MM) / (2.0 * math.pi)
     for band in pattern.bands:
+        pull = 0.0 if band.ratio is None else band.stiffness_n * (1.0 / band.ratio - 1.0)
+        if pull > most:
+            yield Finding(
+                "warning", "elastic-strong", file, f"elastics.{band.name}.stiffness",
+                f"drawn out to the length of its cloth the elastic pulls {pull:.0f} N; around a waist even one {_WIDEST_M * M_TO_MM:.0f} mm wide hurts "
+                f"from {most:.0f} N on",
+                "stiffness is in N per unit of strain: what it takes to draw the elastic out to twice its length, some 10 to 100 N.",
+            )  # fmt: skip
         if band.ratio is not None and band.ratio > 1.0:
             along = sum(line_mm(pattern, line) for line in band.lines)
             yield Finding(

@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from garmentcad.check.body_part import BodyPart
 from garmentcad.check.finding import Finding
 from garmentcad.check.hardware import line_mm
+from garmentcad.check.unsewn import check_apart, panels_together
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.locate import located
 from garmentcad.mannequin.mannequin import Mannequin
@@ -23,12 +22,11 @@ _FREE_M = 0.050  # of a belt from line to line
 
 
 def check_held(pattern: Pattern, sewn: Cloth, ringed: np.ndarray, file: str | None) -> Iterator[Finding]:
-    """What is sewn together and held by nothing. ringed (panels,): whether a ring goes over the panel."""
+    """What is sewn together and held by nothing, or held and joined to nothing else. ringed (panels,): whether a ring goes over the panel."""
     points = [pin.at for pin in pattern.pins] + [end for button in pattern.buttons for end in (button.button, button.buttonhole)]
     holding = {point.panel for point in points} | {line[0].panel for band in pattern.bands for line in band.lines}
     held = ringed | np.isin(sewn.panel_names, sorted(holding))
-    lies_on = coo_array((np.ones(len(sewn.vertex_panel)), (sewn.vertex_panel, sewn.vertex_particle))).tocsr()
-    _, together = connected_components(lies_on @ lies_on.T, directed=False)
+    together = panels_together(sewn)
     loose = ~np.isin(together, together[held])
     if loose.all():
         yield Finding(
@@ -44,6 +42,7 @@ def check_held(pattern: Pattern, sewn: Cloth, ringed: np.ndarray, file: str | No
             f"{', '.join(names)}: not sewn to the rest of the garment, and no ring of cloth around the body, no button, pin or band holds it: it may fall",
             "Sew it to the rest, or hold it by buttons or pins.",
         )  # fmt: skip
+    yield from check_apart(pattern, sewn, loose, file)
 
 
 def check_falling(

@@ -13,9 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from garmentcad.analysis.section import Chain, Plane, cut, horizontal
-from garmentcad.check.body_part import BodyPart, body_parts
+from garmentcad.check.body_part import HURTS_PA, BodyPart, body_parts
 from garmentcad.check.finding import Finding
 from garmentcad.check.holding import check_belts, check_falling, check_held
+from garmentcad.check.unsewn import check_unsewn
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.weld import weld_seams
 from garmentcad.fabric.extension import extension
@@ -24,8 +25,6 @@ from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.pattern import Pattern, Wrap
 from garmentcad.units import MM_TO_M
 
-# Pressure at which clothing begins to hurt: 60 to 100 gf/cm2, Denton 1972 (Fit, stretch and comfort, Shirley Institute).
-_PRESSURE_PA = 5.9e3
 _PULL_N_M = 490.3  # tension of a ring that is pulled over something, 500 gf/cm as testers pull; an estimate
 _SLACK_M = 0.045  # a ring may come to lie higher or lower on the body than it was laid by this, and by what its seams stand open
 _ANGLES = 90  # directions between warp and weft that are told apart
@@ -75,6 +74,7 @@ def check_wearing(
             yield from check_belts(pattern, *worn, part, slack, file)
         yield from _check_ease(rings, part, slack, materials, file)
         yield from _check_passing(rings if put_on is worn else _rings(pattern, *put_on, part)[0], part, materials, file)
+    yield from check_unsewn(pattern, worn[0], file)
     if body.cylinders:
         yield from check_held(pattern, worn[0], held, file)
 
@@ -179,7 +179,7 @@ def _check_ease(rings: list[Ring], part: BodyPart, slack: float, materials: Mate
     if worst is None:
         return
     _, ring, girth, tested = worst
-    worn = ring.extended_mm(materials, _PRESSURE_PA * girth * MM_TO_M / (2.0 * np.pi))
+    worn = ring.extended_mm(materials, HURTS_PA * girth * MM_TO_M / (2.0 * np.pi))
     bad = worn < girth
     yield Finding(
         "error" if bad else "warning", "ease-impossible" if bad else "stretch-untested", file, None,

@@ -1,0 +1,149 @@
+"""Findings on what may have been forgotten to be sewn: two edges that lie together from where a seam ends, and parts of a garment that nothing joins."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator
+from itertools import combinations, product
+from typing import NamedTuple
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from garmentcad.check.finding import Finding
+from garmentcad.cloth.cloth import Cloth
+from garmentcad.geometry.angle import arctan2
+from garmentcad.pattern.pattern import Panel, Pattern
+
+_ALIKE_MM, _ALIKE_SHARE = 3.0, 0.02  # two lengths are those of one seam, as in seam.py
+_EASED_SHARE = 0.5  # where both begin and end together, one of them may be eased, stretched or gathered onto the other
+_CLOSED = np.radians(300.0)  # of cloth around a point: two edges lie together, and are no hem or neckline, which turn on by some 180 degrees
+_TURNED = np.radians(45.0)  # a corner around which no seam goes
+_STRAIGHT = np.radians(20.0)  # an edge that goes on in the line of what is sewn: a slit, a placket, a vent
+
+
+class _Run(NamedTuple):
+    """Edges of a panel from one point on that are sewn to nothing, as they follow one another. edges: PANEL.EDGE of each; start, end: particles of the sewn
+    cloth; goes_on: whether the outline goes straight on at the start; length: mm; has_role: whether one of them has."""
+
+    edges: tuple[str, ...]
+    start: int
+    end: int
+    goes_on: bool
+    length: float
+    has_role: bool
+
+
+def check_unsewn(pattern: Pattern, sewn: Cloth, file: str | None = None) -> Iterator[Finding]:
+    """Pairs of runs of edges that begin at one point of the sewn cloth, with as much cloth around it as if they lay together, and not both in the line of what
+    is sewn. They end together as well, or are as long as each other and have no role. Of hems and cuffs nothing is said."""
+    angle = _angles(sewn)
+    around = np.bincount(sewn.vertex_particle, angle, sewn.particle_count)
+    starts: defaultdict[int, list[list[_Run]]] = defaultdict(list)
+    for runs in _open_runs(pattern, sewn, angle, around):
+        starts[runs[0].start].append(runs)
+    told: set[str] = set()
+    for start, beside in starts.items():
+        for ones, twos in combinations(beside, 2) if around[start] > _CLOSED else ():
+            if ones[0].goes_on and twos[0].goes_on:
+                continue
+            pairs = [pair for pair in product(ones, twos) if _match(*pair)]
+            if not pairs:
+                continue
+            one, two = max(pairs, key=lambda pair: (not (pair[0].has_role or pair[1].has_role), pair[0].length))
+            if told.issuperset((*one.edges, *two.edges)):
+                continue
+            told.update((*one.edges, *two.edges))
+            sides = [" and ".join(run.edges) for run in (one, two)]
+            yield Finding(
+                "warning", "edges-unsewn", file, f"panels.{one.edges[0].replace('.', '.edges.', 1)}",
+                f"{sides[0]} ({one.length:.0f} mm) and {sides[1]} ({two.length:.0f} mm) lie together from where a seam ends, and are sewn to nothing",
+                "Sew them together; edges that are meant to be open have a role (hem, neck, armhole, ...).",
+            )  # fmt: skip
+
+
+def _match(one: _Run, two: _Run) -> bool:
+    """Whether two runs from one point may be the sides of a seam."""
+    longer, shorter = max(one.length, two.length), min(one.length, two.length)
+    together = one.end == two.end
+    allowed = _EASED_SHARE * longer if together else max(_ALIKE_MM, _ALIKE_SHARE * longer)
+    return longer - shorter <= allowed and not set(one.edges) & set(two.edges) and (together or not (one.has_role or two.has_role))
+
+
+def check_apart(pattern: Pattern, sewn: Cloth, loose: np.ndarray, file: str | None = None) -> Iterator[Finding]:
+    """Parts of a garment that neither seams nor buttons, elastics or belts join to its largest part, and no pin holds. loose (panels,) bool: those of which it
+    is told already that nothing holds them."""
+    index = {name: k for k, name in enumerate(sewn.panel_names)}
+    joined = [(button.button.panel, button.buttonhole.panel) for button in pattern.buttons]
+    joined += [(one[0].panel, two[0].panel) for band in pattern.bands for one, two in zip(band.lines, band.lines[1:])]
+    together = panels_together(sewn, [(index[a], index[b]) for a, b in joined])
+    sizes = np.bincount(together[sewn.vertex_panel[sewn.triangles[:, 0]]])
+    pinned = [index[pin.at.panel] for pin in pattern.pins]
+    for part in np.unique(together[~loose]):
+        if part != np.argmax(sizes) and part not in together[pinned]:
+            names = [name for name, where in zip(sewn.panel_names, together) if where == part]
+            yield Finding(
+                "note", "not-joined", file, f"panels.{names[0]}",
+                f"{', '.join(names)}: no seam, button, elastic or belt joins {'it' if len(names) == 1 else 'them'} to the rest of the garment",
+                "Sew it to the rest, if it shall be.",
+            )  # fmt: skip
+
+
+def panels_together(sewn: Cloth, joined: list[tuple[int, int]] | None = None) -> np.ndarray:
+    """(panels,) the same number for panels that share particles, directly or over others. joined: pairs of panels that something else joins, too."""
+    count = len(sewn.panel_names)
+    lies_on = coo_array((np.ones(len(sewn.vertex_panel)), (sewn.vertex_panel, sewn.vertex_particle)), shape=(count, sewn.particle_count)).tocsr()
+    pairs = np.array(joined or [], dtype=np.int64).reshape(-1, 2)
+    other = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
+    return np.asarray(connected_components(lies_on @ lies_on.T + other, directed=False)[1])
+
+
+def _open_runs(pattern: Pattern, sewn: Cloth, angle: np.ndarray, around: np.ndarray) -> Iterator[list[_Run]]:
+    """From each corner of each panel both ways along its outline: the runs of one, two and more open edges, over sewn darts, up to where another panel is sewn
+    on or the outline turns. angle: (V,) of the panel at each vertex, around: (P,) of the cloth around each particle, rad."""
+    used = {(use.panel, use.edge) for seam in pattern.seams for use in (*seam.a, *seam.b)}
+    panels_at = [set() for _ in range(sewn.particle_count)]  # type: list[set[int]]
+    for particle, panel_index in zip(sewn.vertex_particle.tolist(), sewn.vertex_panel.tolist()):
+        panels_at[particle].add(panel_index)
+    for panel in pattern.panels.values():
+        edges = panel.edges
+        corners = [_corner(sewn, panel, k) for k in range(len(edges))]
+        at = sewn.vertex_particle[corners].tolist()
+        is_open = [(panel.name, k) not in used and edge.role not in ("hem", "cuff") and edge.dart is None for k, edge in enumerate(edges)]
+        for first, way in product(range(len(edges)), (1, -1)):
+            goes_on = bool(abs(angle[corners[first]] - np.pi) < _STRAIGHT)
+            runs: list[_Run] = []
+            passed: list[int] = []
+            corner = first
+            while len(passed) < len(edges):
+                edge = corner if way > 0 else corner - 1
+                if not is_open[edge]:
+                    break
+                passed.append(edge % len(edges))
+                corner = (corner + way) % len(edges)
+                names = tuple(dict.fromkeys(f"{panel.name}.{edges[k].name}" for k in passed))
+                length, has_role = sum(edges[k].curve.length for k in passed), any(edges[k].role is not None for k in passed)
+                runs.append(_Run(names, at[first], at[corner], goes_on, length, has_role))
+                if len(panels_at[at[corner]]) > 1 or abs(around[at[corner]] - np.pi) > _TURNED:
+                    break
+                corner = next((k for k in range(len(edges)) if k != corner and at[k] == at[corner]), corner)  # the other side of a dart's mouth
+            if runs:
+                yield runs
+
+
+def _corner(cloth: Cloth, panel: Panel, edge: int) -> int:
+    """The vertex at which an edge of a panel begins."""
+    mine = np.flatnonzero(cloth.vertex_panel == cloth.panel_names.index(panel.name))
+    return int(mine[np.argmin(((cloth.vertex_uv_mm[mine] - panel.edges[edge].curve.start) ** 2).sum(axis=1))])
+
+
+def _angles(cloth: Cloth) -> np.ndarray:
+    """(V,) angle of the flat panel at each vertex, rad."""
+    corners = cloth.vertex_uv_mm[cloth.triangles]
+    found = np.zeros(len(cloth.vertex_panel))
+    for k in range(3):
+        one, two = corners[:, (k + 1) % 3] - corners[:, k], corners[:, (k + 2) % 3] - corners[:, k]
+        angle = arctan2(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0], (one * two).sum(axis=1))
+        found += np.bincount(cloth.triangles[:, k], angle, len(found))
+    return found

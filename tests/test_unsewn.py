@@ -1,0 +1,93 @@
+"""Seams that were forgotten: every seam of shipped garments is taken out in turn, and what it joined has to be named; what is open on purpose is not."""
+
+from __future__ import annotations
+
+import copy
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from garmentcad.check.examine import examine
+from garmentcad.check.finding import Finding
+from garmentcad.io.mannequin_file import read_mannequin
+from garmentcad.io.shipped import shipped_file
+from garmentcad.pattern.draft import draft
+from garmentcad.pattern.parse import parse_spec
+
+CODES = ("edges-unsewn", "not-joined")
+
+
+@lru_cache
+def shipped(name: str) -> dict[str, Any]:
+    data: dict[str, Any] = yaml.safe_load(Path(shipped_file("patterns", name)).read_text())
+    return data
+
+
+def found(data: dict[str, Any]) -> list[Finding]:
+    return [finding for finding in examine(parse_spec(copy.deepcopy(data), "x.yaml"), grid_mm=20.0) if finding.code in CODES]
+
+
+def joined(data: dict[str, Any], seam: str) -> set[str]:
+    """Keys PANEL.EDGE of both sides of a seam."""
+    pattern = draft(parse_spec(copy.deepcopy(data), "x.yaml"), read_mannequin(data["mannequin"]).measurements_mm)
+    taken = next(one for one in pattern.seams if one.name == seam)
+    return {f"{use.panel}.{pattern.panels[use.panel].edges[use.edge].name}" for use in (*taken.a, *taken.b)}
+
+
+@pytest.mark.parametrize("name", ["t-shirt", "trousers", "mens-shirt", "pleated-skirt", "sheath-dress", "wrap-skirt", "lined-skirt"])
+def test_whole_garments_have_nothing_open(name: str) -> None:
+    """Hems, necklines, plackets in the line of a seam, fronts that button, a zip: all meant."""
+    assert found(shipped(name)) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "seam"),
+    [
+        ("t-shirt", "shoulder_left"), ("t-shirt", "side_right"), ("t-shirt", "underarm_left"), ("t-shirt", "armhole_left_front"), ("t-shirt", "neck_front"),
+        ("t-shirt", "neckband_closing"), ("flared-skirt", "waist_back"), ("straight-skirt", "waist_front"), ("trousers", "inside_left"),
+        ("trousers", "side_right"), ("sheath-dress", "bust_dart_left"), ("sheath-dress", "side_left"),
+    ],
+)  # fmt: skip
+def test_a_seam_that_was_forgotten(name: str, seam: str) -> None:
+    """Over darts as well (waist of the straight skirt, side of the sheath dress), and where one side is eased or stretched onto the other (armhole, neck)."""
+    data = copy.deepcopy(shipped(name))
+    data["seams"] = [one for one in data["seams"] if one["name"] != seam]
+    (finding,) = found(data)
+    assert (finding.severity, finding.code) == ("warning", "edges-unsewn")
+    named = {text for text in finding.message.split() if "." in text}
+    assert named == joined(shipped(name), seam)
+    assert str(finding.key).removeprefix("panels.").replace(".edges.", ".") in named
+
+
+def test_a_slit_in_the_line_of_a_seam_is_meant() -> None:
+    """The side seam of a skirt ends at a point half-way down; below, both edges go straight on. In a corner of its own the same opening is reported."""
+    sides: dict[str, Any] = {"points": {"a": [-300, 0], "b": [300, 0], "s": [300, 250], "c": [300, 500], "d": [-300, 500], "t": [-300, 250]}}
+    names = (("hem", "a", "b"), ("slit", "b", "s"), ("right", "s", "c"), ("top", "c", "d"), ("left", "d", "t"), ("vent", "t", "a"))
+    sides["edges"] = [{"name": name, "from": p, "to": q} for name, p, q in names]
+    data: dict[str, Any] = {"name": "x", "fabric": "cotton-shirting", "mannequin": "woman-88", "panels": {}, "pins": []}
+    for panel, angle in (("front", 0), ("back", 180)):
+        wrap = {"part": "torso", "anchor": [0, 500], "angle": angle, "height": 1000, "offset": 60}
+        data["panels"][panel] = {**copy.deepcopy(sides), "placement": {"wrap": wrap}}
+    data["seams"] = [
+        {"name": "one", "a": ["front.right.c", "front.right.s"], "b": ["back.left.d", "back.left.t"]},
+        {"name": "two", "a": ["front.left.d", "front.left.t"], "b": ["back.right.c", "back.right.s"]},
+    ]
+    assert found(data) == []
+    for panel in ("front", "back"):
+        data["panels"][panel]["points"] |= {"a": [-400, 0], "b": [400, 0]}  # the slits' edges turn out by 22 degrees
+    assert sorted({text for finding in found(data) for text in finding.message.split() if "." in text}) == [
+        "back.slit",
+        "back.vent",
+        "front.slit",
+        "front.vent",
+    ]
+
+
+def test_a_cuff_that_nothing_joins() -> None:
+    data = copy.deepcopy(shipped("mens-shirt"))
+    data["seams"] = [one for one in data["seams"] if one["name"] != "cuff_left"]
+    (finding,) = found(data)
+    assert (finding.severity, finding.code, finding.key) == ("note", "not-joined", "panels.cuff_left")
