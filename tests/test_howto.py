@@ -16,6 +16,7 @@ from garmentcad.io.garment_test_file import read_garment_tests
 from garmentcad.io.mannequin_file import read_mannequin
 from garmentcad.io.spec_file import read_spec
 from garmentcad.regression.trial import job_of
+from garmentcad.units import GRAVITY_M_S2
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 
@@ -51,6 +52,17 @@ def test_garment_scripted_in_python(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     area_m2 = 2.0 * 0.3 * (1e-3 * read_mannequin("woman-80").measurements_mm["bust"] / 2.0 - 0.02)
     assert names["cloth"].masses.sum() == pytest.approx(1e-2 * 1.2 * names["knit"].W.value * area_m2, rel=1e-9)
     assert re.fullmatch(r"widest strain of the warp 0\.\d+\ntop edge 1\.\d+ m above the floor\n", capsys.readouterr().out), "and no finding"
+
+
+def test_cloth_and_forces_in_python() -> None:
+    """Python of the pages on cloth and forces, joined: all forces together are weight and wind, since internal ones add up to nothing."""
+    pages = [(DOCS / name).read_text(encoding="utf-8") for name in ("cloth.md", "forces.md", "howto/add-a-force.md")]
+    names: dict[str, Any] = {}
+    exec("".join(re.findall(r"```python\n(.*?)```", "".join(pages), re.DOTALL)).replace("grid_mm=10.0", "grid_mm=40.0"), names)
+    mass = names["cloth"].masses.sum()
+    assert names["welded"].particle_count == names["particle"].max() + 1
+    assert names["out"].sum(axis=0) == pytest.approx([0.0, -GRAVITY_M_S2 * mass, 1.0 * mass], abs=1e-9)
+    assert 1e-6 < names["dt"] < 1e-2
 
 
 def run_page(name: str, folder: Path) -> list[str]:

@@ -103,6 +103,8 @@ def test_an_empty_folder_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     with pytest.raises(InputError, match="folder: an empty text came"):
         drape("straight-skirt", folder="")
     assert Path("front.png").read_text() == "mine"
+    with pytest.raises(InputError, match="folder: a name or a file is wanted, came 5"):
+        drape("straight-skirt", folder=5)  # type: ignore[arg-type]
 
 
 def test_a_sheet_and_a_body_are_examined_as_their_names_are() -> None:

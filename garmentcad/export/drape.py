@@ -12,6 +12,7 @@ from garmentcad.export.movement import movement_report, write_movement
 from garmentcad.export.report import build_report
 from garmentcad.export.result_folder import CHECKPOINT, Result, WrittenFolder, clear_folder, make_folder, write_result_folder
 from garmentcad.fabric.sheet import KesSheet
+from garmentcad.io.arguments import refuse_unnamed
 from garmentcad.io.held_folder import held_folder
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.spec import GarmentSpec
@@ -39,8 +40,10 @@ def drape(
 
     Arguments as of `make_job`, which raises InputError for what is refused. A garment that did not come to rest is no error: `report["status"]` says it.
     """
-    if folder is not None and not str(folder):
-        raise InputError("an empty text came; a folder is wanted", key="folder")
+    if folder is not None:
+        refuse_unnamed(folder, "folder")
+        if not str(folder):
+            raise InputError("an empty text came; a folder is wanted", key="folder")
     job = make_job(spec, fabric, mannequin, grid_mm=grid_mm, seed=seed, mode=mode, max_time_s=max_time_s, pose=pose, values=values)
     return finish(job, lambda progress: None, None if folder is None else Path(folder))[0]
 
