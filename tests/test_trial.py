@@ -191,6 +191,15 @@ def test_a_key_of_both_report_and_baseline_is_two_cases(tmp_path: Path, drapes: 
     assert len(names) == len(set(names))
 
 
+def test_verdicts_are_said_where_the_failed_drape_cannot_be_kept(case: GarmentTestCase, drapes: Fake, tmp_path: Path) -> None:
+    (tmp_path / "out").write_text("a file in the place of the folder")
+    drapes(drape_of(hem_mm=610.0))
+    judged = run_trial(prepare(case), tmp_path / "out" / "band")
+    assert "hem_height_mm" in {verdict.key for verdict in judged.verdicts if not verdict.passed}
+    assert (judged.refusal, judged.files) == (None, ())
+    assert "the failed drape was not kept" in judged.notes[0]
+
+
 def test_failed_drapes_of_one_name_are_both_kept(drapes: Fake, tmp_path: Path) -> None:
     two_folders(tmp_path)
     drapes(drape_of())

@@ -13,7 +13,7 @@ import numpy as np
 
 from garmentcad.analysis.run_record import Status
 from garmentcad.analysis.surface_distance import Surface, SurfaceDistance, surface_distance
-from garmentcad.errors import InputError, SpecError, did_you_mean
+from garmentcad.errors import FileError, InputError, SpecError, did_you_mean
 from garmentcad.export.result_folder import Result, write_result_folder
 from garmentcad.io.garment_test_file import GarmentTestCase
 from garmentcad.pattern.garment_test import ANY, SHAPE, Expected
@@ -118,8 +118,11 @@ def run_trial(trial: Trial, folder: Path | None, look: Callable[[Progress], None
 
 
 def _keep(trial: Trial, result: Result, folder: Path) -> tuple[tuple[Path, ...], tuple[str, ...]]:
-    """Write a failed drape and its picture."""
-    written = write_result_folder(folder, result, trial.job.identity)
+    """Write a failed drape and its picture. Where that cannot be, its verdicts are said all the same, and a note says why."""
+    try:
+        written = write_result_folder(folder, result, trial.job.identity)
+    except FileError as error:
+        return (), (f"the failed drape was not kept: {error}",)
     apart = distance_from_baseline(trial, result)
     if trial.shape is None or apart is None or written.notes:
         return written.files, written.notes
