@@ -27,7 +27,7 @@ from garmentcad.forces.time_step import SmallMotion
 from garmentcad.solve.dynamics import RUNAWAY_M_S, STEPS_PER_ESTIMATE, DivergedError, Dynamics, IntersectingError
 from garmentcad.solve.rest import RESIDUAL_G, patches, residual
 from garmentcad.solve.steps import CUT, DONE, MOST_CUTS, advance_velocities
-from garmentcad.solve.strain_limit import RETURN_M_S, least_headroom, panels_at_limit, pull_back, strain_limit
+from garmentcad.solve.strain_limit import RETURN_M_S, least_headroom, pull_back, strain_limit
 from garmentcad.units import GRAVITY_M_S2
 
 STIFFNESS = 2000.0  # N/m, warp and weft alike, linear
@@ -175,16 +175,6 @@ def test_strain_limit_stops_a_link_at_its_limit() -> None:
     stretched = np.linalg.norm(ahead[ends[:, 1]] - ahead[ends[:, 0]], axis=1) / cloth.links.rest_length - 1.0
     assert stretched.max() <= 0.1 + 1e-3
     assert np.allclose((cloth.masses[:, None] * velocities).sum(axis=0), momentum, rtol=1e-12)
-
-
-@pytest.mark.parametrize(("stretched", "share"), [(1.09, []), (1.098, [4 / 24]), (1.2, [4 / 24])])
-def test_panels_at_their_limit(stretched: float, share: list[float]) -> None:
-    """A lattice of 4 x 4 has 24 links; the four between two of its columns are drawn."""
-    materials = linear_fabric(limit=0.1)
-    cloth = rectangle_cloth(50.0, 50.0, 10.0, 0.0, materials)
-    positions = hanging(cloth)
-    positions[positions[:, 0] > 0.035, 0] += 0.01 * (stretched - 1.0)
-    assert list(panels_at_limit(cloth, positions, strain_limit(cloth, materials)).values()) == share
 
 
 def test_a_link_that_is_too_long_comes_back_no_faster_than_it_may() -> None:

@@ -6,12 +6,14 @@ import math
 
 import numpy as np
 import pytest
+from elastic import linear
 from hand_made import flat, materials, rectangles
 
 from garmentcad.analysis.maps import fabric_maps
 from garmentcad.analysis.strain import (
     bias_strain,
     of_limit_percent,
+    panels_at_limit,
     particle_mean,
     share_over_limit_percent,
     strain_percentiles,
@@ -23,6 +25,7 @@ from garmentcad.analysis.strain import (
 from garmentcad.analysis.tension import carried_strain, tension_n_m, tension_summary
 from garmentcad.analysis.tributary import draped_areas
 from garmentcad.cloth.cloth import WARP, WEFT
+from garmentcad.cloth.lattice import rectangle_cloth
 
 
 @pytest.mark.parametrize("border", [False, True])
@@ -89,6 +92,31 @@ def test_half_of_the_cloth_over_its_limit() -> None:
     assert share_over_limit_percent(warp, weft, materials()) == pytest.approx(25.0)
     assert strain_percentiles(warp)["p50"] == pytest.approx(0.0, abs=1e-9)
     assert strain_percentiles(warp)["p99"] == pytest.approx(6.0)
+
+
+@pytest.mark.parametrize(("strain", "share"), [(0.094, 0.0), (0.096, 0.25), (0.2, 0.25)])
+@pytest.mark.parametrize("border", [False, True])
+def test_panels_at_their_limit(strain: float, share: float, border: bool) -> None:
+    """Of the second of two panels sewn together the lower half is drawn along warp: half of one direction of two. Its limit is 10 %."""
+    cloth = rectangles(4, 8, 0.01, 2, sewn=False, border=border)
+    positions = flat(cloth)
+    second = np.arange(cloth.particle_count) >= cloth.particle_count // 2
+    positions[second, 1] += strain * np.minimum(positions[second, 1], 0.04)
+    positions[~second, 1] *= 1.09
+    table = materials()._replace(strain_limit=np.full((2, 2), 0.1))
+    found = panels_at_limit(cloth, yarn_strain(cloth, positions, WARP), yarn_strain(cloth, positions, WEFT), table)
+    assert found == ({"back": pytest.approx(share)} if share else {})
+
+
+def test_a_band_narrower_than_a_cell_can_be_too_tight() -> None:
+    """It has no link; its seams share every particle with what they are sewn to."""
+    table = linear(0.15, 2000.0, 0.1, 50.0, 0.3e-3, 0.3)
+    cloth = rectangle_cloth(200.0, 8.0, 10.0, 0.0, table)
+    assert len(cloth.links.ends) == 0
+    positions = np.column_stack([cloth.vertex_uv_mm / 1000.0, np.zeros(len(cloth.vertex_panel))])
+    for stretch, share in ((1.09, []), (1.11, [pytest.approx(0.5)])):
+        strains = (yarn_strain(cloth, positions * [stretch, 1.0, 1.0], direction) for direction in (WARP, WEFT))
+        assert list(panels_at_limit(cloth, *strains, table).values()) == share
 
 
 def test_map_of_a_uniform_strain_is_uniform_across_seams() -> None:

@@ -16,7 +16,8 @@ import numpy as np
 from shapely.geometry import Polygon
 
 from garmentcad.analysis.clearance import clearing_moves, move_panels
-from garmentcad.cloth.cloth import Cloth
+from garmentcad.analysis.strain import panels_at_limit, yarn_strain
+from garmentcad.cloth.cloth import WARP, WEFT, Cloth
 from garmentcad.cloth.lattice import build_cloth
 from garmentcad.cloth.state import State
 from garmentcad.cloth.weld import weld, weld_seams
@@ -51,7 +52,7 @@ from garmentcad.simulation.sewing import SEWING, Welding, close_seams, hold, wel
 from garmentcad.simulation.start import refuse_tangled
 from garmentcad.solve.dynamics import DivergedError, Dynamics, IntersectingError
 from garmentcad.solve.hardware import button_shanks, hardware_rows, pin_rows, redundance_message, redundances
-from garmentcad.solve.strain_limit import panels_at_limit, strain_limit
+from garmentcad.solve.strain_limit import strain_limit
 from garmentcad.units import M_TO_MM, MM_TO_M
 
 JITTER_M = 1e-5  # of the start, so that no fold is decided by round-off
@@ -367,8 +368,9 @@ class _Run:
             self.warnings += welding.open_seams
             status = "max_time" if status == "converged" else status
         self.warnings += [redundance_message(found) for found in redundances(self._hardware(cloth), cloth, self.job.mannequin)]
-        for name, share in panels_at_limit(cloth, self.state.positions, dynamics.limit).items():
-            self.warnings.append(f"panel '{name}' is too tight: {100.0 * share:.0f} % of its links are stretched to the limit of the fabric (1.5 Fm)")
+        warp, weft = (yarn_strain(cloth, self.state.positions, direction) for direction in (WARP, WEFT))
+        for name, share in panels_at_limit(cloth, warp, weft, self.materials).items():
+            self.warnings.append(f"panel '{name}' is too tight: {100.0 * share:.0f} % of its warp and weft is stretched to the limit of the fabric (1.5 Fm)")
         if SEWING in self.state.run:
             self.warnings.append("seams did not close the first time: the panels were placed once more, a hundredth of a millimetre aside")
         if STANDS in self.state.run:

@@ -19,7 +19,6 @@ from garmentcad.geometry.vectors import lengths, picked
 
 SWEEPS = 20
 RETURN_M_S = 1.0
-AT_LIMIT, MANY_AT_LIMIT = 0.95, 0.01
 
 
 class StrainLimit(NamedTuple):
@@ -40,16 +39,6 @@ def strain_share(positions: np.ndarray, rest_length: np.ndarray, limit: StrainLi
     first, second = picked(positions, limit.ends)
     length = lengths(second - first)
     return np.asarray((length - rest_length) / (limit.longest - rest_length))
-
-
-def panels_at_limit(cloth: Cloth, positions: np.ndarray, limit: StrainLimit) -> dict[str, float]:
-    """Share of the links that are within AT_LIMIT of their limit, of each panel in which it is more than MANY_AT_LIMIT."""
-    panel = np.zeros(cloth.particle_count, dtype=np.int64)
-    panel[cloth.vertex_particle] = cloth.vertex_panel
-    mine, full = panel[limit.ends[:, 0]], strain_share(positions, cloth.links.rest_length, limit) > AT_LIMIT
-    count = len(cloth.panel_names)
-    shares = np.bincount(mine, full, count) / np.maximum(np.bincount(mine, minlength=count), 1)
-    return {name: float(share) for name, share in zip(cloth.panel_names, shares, strict=True) if share > MANY_AT_LIMIT}
 
 
 @kernel
