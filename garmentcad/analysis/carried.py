@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
+from garmentcad.analysis.body_line import SIDES
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.units import M_TO_MM
 
 WAIST, ARMHOLE = "waist", "armhole"
-SIDES = ("left", "right")
 
 
 @dataclass(frozen=True)

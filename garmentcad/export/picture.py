@@ -125,10 +125,7 @@ def body_pixels(mannequin: Mannequin, view: str = "front", height_px: int = HEIG
 
 def render_body(path: str | Path, mannequin: Mannequin, view: str = "front", height_px: int = HEIGHT_PX) -> Path:
     """Draw the bare mannequin into a PNG file; errors as in `render_picture`."""
-    image = _module("PIL.Image")
-    buffer = io.BytesIO()
-    image.fromarray(body_pixels(mannequin, view, height_px)).save(buffer, format="PNG", compress_level=COMPRESSION)
-    return write_atomic(path, buffer.getvalue())
+    return write_picture(path, _module("PIL.Image").fromarray(body_pixels(mannequin, view, height_px)))
 
 
 def _module(name: str) -> Any:

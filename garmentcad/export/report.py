@@ -13,7 +13,7 @@ import numpy as np
 from rich.table import Table
 from rich.text import Text
 
-from garmentcad.analysis.carried import SIDES
+from garmentcad.analysis.body_line import SIDES
 from garmentcad.analysis.ease import EASE_LINES
 from garmentcad.analysis.hem_shape import HemShape
 from garmentcad.analysis.measures import Measures, unmeasured

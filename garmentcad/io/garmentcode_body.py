@@ -11,6 +11,7 @@ import yaml
 from garmentcad.errors import MannequinError, did_you_mean
 from garmentcad.io.atomic import write_atomic
 from garmentcad.io.yaml_file import read_yaml
+from garmentcad.mannequin.mannequin import SHOULDER_RISE
 from garmentcad.mannequin.sizes import full_sizes
 
 FILE_ENDING = "body_measurements.yaml"
@@ -19,7 +20,6 @@ _USED = ("bust", "waist", "hips", "height", "head_l", "waist_line", "hips_line",
          "arm_pose_angle")  # fmt: skip
 _UNUSED = ("armscye_depth", "back_width", "bum_points", "bust_line", "bust_points", "hip_back_width", "hip_inclination", "neck_w", "shoulder_incl", "underbust",
            "vert_bust_line", "waist_back_width", "waist_over_bust_line")  # fmt: skip
-_SHOULDER_RISE = 0.94  # horizontal share of the shoulder seam (cosine of its slope), as where mannequins are fitted
 
 
 def is_garmentcode_body(data: Any) -> bool:
@@ -75,6 +75,6 @@ def mannequin_of_body(data: dict[str, Any]) -> dict[str, Any]:
     measurements = {name: round(_CM_TO_MM * value, 1) for name, value in sizes.items()}
     if "shoulder_w" in body:  # between the shoulder points: what is left of a half beside the neck, along its slope
         neck = full_sizes(kind, measurements)["neck_base"] / (2.0 * math.pi)
-        measurements["shoulder"] = round((_CM_TO_MM * body["shoulder_w"] / 2.0 - neck) / _SHOULDER_RISE, 1)
+        measurements["shoulder"] = round((_CM_TO_MM * body["shoulder_w"] / 2.0 - neck) / SHOULDER_RISE, 1)
     made = {"schema": 1, "units": "mm", "kind": kind, "measurements": measurements}
     return made | ({"arm_angle": round(90.0 - body["arm_pose_angle"], 3)} if "arm_pose_angle" in body else {})

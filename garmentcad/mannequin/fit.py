@@ -10,6 +10,7 @@ from scipy.optimize import lsq_linear
 
 from garmentcad.geometry.portable import norm, product
 from garmentcad.mannequin.human import HumanModel, Shape, build_names, build_weights
+from garmentcad.mannequin.mannequin import SHOULDER_RISE
 from garmentcad.mannequin.stand import stand, wanted_heights
 from garmentcad.mannequin.tapes import taped
 from garmentcad.units import MM_TO_M
@@ -20,7 +21,6 @@ _LAST_BOX = 0.02
 _DECIMALS = 6  # of parameters: a body is the same to the bit whatever processor solved for it, whose linear algebra differs in the last bits
 _ROOM = 1e-9  # keeps the box of a parameter at its bound open
 _LENGTH_SIGMA = 0.004  # m
-_SHOULDER_RISE = 0.94  # horizontal share of the shoulder seam (cosine of its slope)
 
 
 class Space(NamedTuple):
@@ -100,7 +100,7 @@ def _lengths(model: HumanModel, body: Shape, sizes: Mapping[str, float], scale: 
     toward_elbow = model.joint_targets[:, index["elbow"]] - model.targets[:, tip]
     toward_wrist = model.joint_targets[:, index["wrist"]] - model.joint_targets[:, index["elbow"]]
     arm = scale * (product(toward_elbow, upper) / norm(upper) + product(toward_wrist, lower) / norm(lower))
-    half = MM_TO_M * (sizes["neck_base"] / (2 * np.pi) + _SHOULDER_RISE * sizes["shoulder"])
+    half = MM_TO_M * (sizes["neck_base"] / (2 * np.pi) + SHOULDER_RISE * sizes["shoulder"])
     return [
         (float(length - MM_TO_M * sizes["arm_length"]), arm + growth * length),
         (float(shoulder[0] - half), scale * model.targets[:, tip, 0] + growth * shoulder[0]),

@@ -13,7 +13,7 @@ from garmentcad.mannequin.form import dress_form
 from garmentcad.mannequin.gap import check_apart, facings
 from garmentcad.mannequin.grade import standing_body
 from garmentcad.mannequin.human import HumanModel
-from garmentcad.mannequin.mannequin import Mannequin
+from garmentcad.mannequin.mannequin import PART_NAMES, Mannequin
 from garmentcad.mannequin.marks import TABLE, cylinders, landmarks, measurements
 from garmentcad.mannequin.pads import ShoulderPads, pad_shoulders
 from garmentcad.mannequin.pose import ARM_ANGLE_DEG, pose_arms, pose_legs, stretch_arms
@@ -24,7 +24,6 @@ from garmentcad.mannequin.tapes import GIRTHS
 from garmentcad.units import MM_TO_M
 
 _REACHED_MM = 2.0
-PART_NAMES = ("torso", "arm_left", "arm_right", "leg_left", "leg_right", "head")
 
 
 def make_mannequin(

@@ -11,6 +11,9 @@ import numpy as np
 
 from garmentcad.mannequin.rig import Rig
 
+PART_NAMES = ("torso", "arm_left", "arm_right", "leg_left", "leg_right", "head")  # of a whole body
+SHOULDER_RISE = 0.94  # horizontal share of the shoulder seam (cosine of its slope)
+
 
 @dataclass(frozen=True)
 class ArrangementCylinder:

@@ -12,11 +12,10 @@ from garmentcad.arrays import floats, frozen, indices
 from garmentcad.errors import MannequinError
 from garmentcad.geometry.portable import norm, product
 from garmentcad.mannequin.cylinder import enclosing, on_floor
-from garmentcad.mannequin.mannequin import ArrangementCylinder, Mannequin
+from garmentcad.mannequin.mannequin import PART_NAMES, ArrangementCylinder, Mannequin
 from garmentcad.mannequin.tape import cut, tape
 from garmentcad.units import M_TO_MM, MM_TO_M
 
-PART_NAMES = ("torso", "arm_left", "arm_right", "leg_left", "leg_right", "head")
 _UP, _FRONT = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0])
 # Heights as shares of the stature (the shipped bodies' proportions; estimates for any other body).
 _SHARES = {"knee": 0.272, "crotch": 0.453, "hip": 0.494, "waist": 0.617, "bust": 0.720, "armpit": 0.742, "shoulder": 0.818, "neck_front": 0.833, "nape": 0.863}
