@@ -236,6 +236,23 @@ def test_a_run_along_a_dart_leg_is_that_leg(pattern: Pattern) -> None:
     assert (edge.name, edge.start, edge.end, use.reverse) == ("dart_leg_a", "dart_a", "dart_apex", False)
 
 
+def test_a_band_along_an_edge_that_closes_on_itself_is_a_ring() -> None:
+    """A round panel with a hole: 30 mm beside its rim, in pieces that overlap by a hair; the middle is no part of it, and every point of the ring is."""
+    disc = {
+        "points": {"a": [300, 0], "n": [80, 0]}, "placement": {"transform": {"translation": [0, 0, 0]}},
+        "edges": [{"name": "hem", "from": "a", "to": "a", "arc": {"center": [0, 0], "direction": "counterclockwise"}}],
+        "cutouts": [[{"name": "neck", "from": "n", "to": "n", "arc": {"center": [0, 0], "direction": "clockwise"}}]],
+        "regions": [{"name": "border", "band": {"edge": "hem", "width": 30}, "factors": {"B": 2}}],
+    }  # fmt: skip
+    pieces = [shapely.Polygon(region.polygon_mm) for region in drafted(lambda data: (ordered(data), data["panels"].update(disc=disc))).panels["disc"].regions]
+    wanted = math.pi * (300.0**2 - 270.0**2)
+    assert shapely.union_all(pieces).area == pytest.approx(wanted, rel=2e-3)
+    assert sum(piece.area for piece in pieces) == pytest.approx(wanted, rel=2e-3)
+    ring = [(285.0 * math.cos(t), 285.0 * math.sin(t)) for t in np.linspace(0.0, 2.0 * math.pi, 721)]
+    assert all(any(piece.contains(shapely.Point(at)) for piece in pieces) for at in ring)
+    assert not any(piece.contains(shapely.Point(0.0, 150.0)) for piece in pieces)
+
+
 def test_regions(pattern: Pattern) -> None:
     border, yoke, border_m, yoke_m = pattern.panels["front"].regions
     assert (border.name, border_m.name, yoke_m.name) == ("border", "border_m", "yoke_m")

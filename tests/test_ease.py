@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise, permutations
 
 import numpy as np
 import pytest
@@ -20,6 +21,26 @@ AROUND = COLUMNS * PANELS
 def chord_girth(radius: float) -> float:
     """Girth of a regular polygon of AROUND corners."""
     return 2.0 * AROUND * radius * math.sin(math.pi / AROUND)
+
+
+@pytest.mark.parametrize("order", list(permutations(range(3))))
+def test_layers_that_share_a_seam_are_a_section_each(order: tuple[int, ...]) -> None:
+    """Half a tube, the other half and a lining inside, all sewn to each other along one line: two closed chains, whatever the order of the triangles."""
+    radii, spans = (0.2, 0.2, 0.15), ((0.0, math.pi), (math.pi, 2.0 * math.pi), (0.0, 2.0 * math.pi))
+    points, strips = [[0.2, 0.0, 0.0], [0.2, 1.0, 0.0], [-0.2, 0.0, 0.0], [-0.2, 1.0, 0.0]], []
+    for radius, (first, last) in zip(radii, spans):
+        ends = [0 if math.cos(at) > 0.0 else 2 for at in (first, last)]
+        columns = [ends[0]]
+        for angle in np.linspace(first, last, 41)[1:-1]:
+            columns.append(len(points))
+            points += [[radius * math.cos(angle), y, radius * math.sin(angle)] for y in (0.0, 1.0)]
+        strips.append([face for a, b in pairwise([*columns, ends[1]]) for face in ((a, b, b + 1), (a, b + 1, a + 1))])
+    chains = cut(np.array(points), np.concatenate([np.array(strips[k]) for k in order]), horizontal(0.5))
+    assert [chain.closed for chain in chains] == [True, True]
+    step = math.pi / 20.0  # of the lining, which goes out to the seam and back
+    lining = 38 * 0.3 * math.sin(0.5 * step) + 2.0 * math.hypot(0.2 - 0.15 * math.cos(step), 0.15 * math.sin(step))
+    assert sorted(chain.length() for chain in chains) == pytest.approx([lining, 80 * 0.4 * math.sin(0.25 * step)], rel=1e-9)
+    assert sum(len(chain.triangles) for chain in chains) == 2 * 3 * 40
 
 
 @pytest.mark.parametrize("height", [0.0, 0.3, -0.77])

@@ -6,7 +6,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from elastic import linear
 
+from garmentcad.cloth.lattice import panel_cloth
 from garmentcad.errors import SpecError
 from garmentcad.fabric.pressing import pressed_share
 from garmentcad.pattern.draft import draft
@@ -123,3 +125,38 @@ def test_nothing_has_a_place_on_an_edge_without_length(what: dict[str, Any]) -> 
     with pytest.raises(SpecError, match="edge 'none' has no length from 'b' to 'e'") as caught:
         panel(points=corners, edges=edges, **what)
     assert caught.value.key == f"panels.p.{next(iter(what))}.0.at"
+
+
+@pytest.mark.parametrize("turn", np.linspace(0.0, 6.2, 63))
+def test_a_fold_that_goes_on_along_the_outline_folds_inside_alone(turn: float) -> None:
+    """A vent: above its extension of 100 mm the line is the edge. Whether an intersection of both is cut there was a matter of round-off."""
+    c, s = np.cos(turn), np.sin(turn)
+    turned = [[c * x - s * y, s * x + c * y] for x, y in ([0, 0], [140, 0], [140, 100], [100, 100], [100, 300], [0, 300], [100, -20], [100, 320])]
+    made = panel(
+        points=dict(zip("abcdef", turned[:6])),
+        edges=[{"name": f"e_{name}", "from": name, "to": after} for name, after in zip("abcdef", "bcdefa")],
+        internal_lines={"vent": turned[6:]},
+        folds=[{"name": "vent", "line": "vent", "angle": 90}],
+    )
+    cloth = panel_cloth(made, linear(0.15, 2000.0, 0.1, 50.0, 0.3e-3, 0.3), 0, 10.0)
+    assert cloth.hinges.length.sum() == pytest.approx(0.1, abs=1e-9)
+    assert cloth.border.area.min() > 1e-6
+
+
+@pytest.mark.parametrize(("line", "length"), [([[-20, 100], [320, 100]], 400.0), ([[-20, 90], [60, 100], [320, 100]], 2.0 * (60.0**2 + 7.5**2) ** 0.5 + 280.0)])
+def test_what_a_fold_has_beyond_the_mirror_edge_is_its_image(line: list[list[float]], length: float) -> None:
+    made = panel(
+        edges=[{"name": name, "from": name[0], "to": name[1]} for name in ("ab", "bc", "cd", "da")],
+        mirror="da", internal_lines={"level": line}, folds=[{"name": "level", "line": "level", "angle": 90}],
+    )  # fmt: skip
+    assert [fold.name for fold in made.folds] == ["level", "level_m"]
+    cloth = panel_cloth(made, linear(0.15, 2000.0, 0.1, 50.0, 0.3e-3, 0.3), 0, 10.0)
+    assert 1000.0 * cloth.hinges.length.sum() == pytest.approx(length, abs=1e-6)
+
+
+def test_a_fold_that_crosses_the_mirror_edge_twice_is_refused() -> None:
+    with pytest.raises(SpecError, match="'z' crosses the mirror edge more than once"):
+        panel(
+            edges=[{"name": name, "from": name[0], "to": name[1]} for name in ("ab", "bc", "cd", "da")],
+            mirror="da", internal_lines={"z": [[50, 100], [-50, 150], [50, 200]]}, folds=[{"name": "z", "line": "z", "angle": 90}],
+        )  # fmt: skip

@@ -17,6 +17,7 @@ import garmentcad.simulation.movement as moving
 import garmentcad.simulation.run as running
 from garmentcad.arrays import floats, indices
 from garmentcad.check.hardware import check_hardware
+from garmentcad.cloth.contour import sample_contours
 from garmentcad.cloth.lattice import build_cloth, rectangle_cloth
 from garmentcad.cloth.state import State
 from garmentcad.cloth.weld import weld
@@ -368,6 +369,25 @@ def test_a_zip_joins_its_closed_part_and_leaves_the_rest_open() -> None:
         other = job(lambda data, fly=fly: data.update(closures=[fly]))
         stitched = build_cloth(other.pattern, material_of, materials, 20.0)
         assert (stitched.seam_names[-1], int((stitched.stitch_seam == 1).sum())) == ("fly", pairs)
+
+
+def test_a_zip_is_closed_by_length_and_its_open_part_is_an_outline() -> None:
+    """Two notches near the top put samples there: half of the length is closed all the same. What is open bends as an edge of the panel does."""
+    front = {"a": FRONT["a"][::-1], "b": FRONT["b"][::-1]}
+    notches = [{"edge": "front", "at": at, "name": f"n{k}"} for k, at in enumerate((0.85, 0.9, 0.95))]
+    made = job(lambda data: (data.update(closures=[{"name": "fly", "zip": front, "closed": 0.5}]), data["panels"]["left"].update(notches=notches)))
+    materials, material_of = lay_out(made)
+    flat = build_cloth(made.pattern, material_of, materials, 20.0)
+    assert made.pattern.seams[-1].closed == 0.5
+    closed = flat.stitches[flat.stitch_seam == flat.seam_names.index("fly")]
+    assert flat.vertex_uv_mm[closed.ravel(), 1].max() == pytest.approx(60.0, abs=10.0)
+    contours, _ = sample_contours(made.pattern, 20.0)
+    for name in ("left", "right"):
+        contour = contours[name]
+        number = [edge.name for edge in made.pattern.panels[name].edges].index("front")
+        segments = contour.edge_points[number][:-1]
+        heights = contour.points_mm[contour.segments[segments]][:, :, 1].mean(axis=1)
+        assert contour.sewn[segments].tolist() == [height < 60.0 for height in heights]
 
 
 def test_an_elastic_waistband_carries_the_tension_of_its_law() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hand_made import rectangles, tube
 
-from garmentcad.analysis.hem import hem_height
+from garmentcad.analysis.hem import hem_height, rest_lengths_mm
 
 
 def test_level_and_tilted_hem() -> None:
@@ -38,6 +38,20 @@ def test_mean_is_weighted_by_length_on_the_pattern() -> None:
     assert found.mean_mm == pytest.approx(16.25)
     # mean square of height: (10 * 10^2/3 + 30 * (10^2 + 10 * 30 + 30^2)/3) / 40
     assert found.uneven_mm**2 == pytest.approx((1000.0 / 3.0 + 13000.0) / 40.0 - 16.25**2)
+
+
+def test_the_mouth_of_a_dart_is_no_hem() -> None:
+    """Between the two stretches of an edge lie 20 mm whose ends are sewn together: 10 mm at 5 mm and 10 at 15, in the mean."""
+    cloth = rectangles(3, 1, 0.01, 1, sewn=False)
+    particle = cloth.vertex_particle.copy()
+    particle[2] = particle[1]
+    object.__setattr__(cloth, "vertex_particle", particle)
+    positions = np.zeros((cloth.particle_count, 3))
+    positions[:4, 1] = [0.0, 0.010, 9.0, 0.020]
+    found = hem_height(cloth, positions, ["front.hem"])
+    assert found is not None
+    assert (found.mean_mm, found.low_mm, found.high_mm) == pytest.approx((10.0, 0.0, 20.0))
+    assert rest_lengths_mm(cloth, cloth.edge_vertices["front.hem"]).tolist() == [10.0, 0.0, 10.0]
 
 
 def test_no_hem() -> None:

@@ -8,12 +8,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from drawn import GRAINS, disc, materials, panel, pattern, rectangle
+from elastic import linear
 
+from garmentcad.arrays import floats
 from garmentcad.cloth.cloth import WARP, WEFT, Cloth
 from garmentcad.cloth.contour import sample_contours
 from garmentcad.cloth.lattice import build_cloth, panel_cloth, rectangle_cloth
 from garmentcad.cloth.panel_mesh import to_grain
 from garmentcad.errors import GarmentError, InputError, LimitError, SpecError
+from garmentcad.forces.internal import internal_forces
 from garmentcad.geometry.triangle import signed_areas
 from garmentcad.pattern.pattern import EdgeUse, Seam
 
@@ -182,3 +185,15 @@ def test_refused_input() -> None:
         build_cloth(pattern(), one_material, MATERIALS)
     with pytest.raises(GarmentError, match="positive lengths"):
         rectangle_cloth(0.0, 50.0, 10.0, 0.0, MATERIALS)
+
+
+@pytest.mark.parametrize(("width", "bends"), [(8.0, 0.0), (10.0, 1.0), (11.0, 1.0), (14.9, 1.0), (15.0, 1.0), (16.0, 1.0), (25.0, 1.0)])
+def test_a_strap_bends_along_its_length_by_its_stiffness(width: float, bends: float) -> None:
+    """Rolled on a cylinder, against B/2 kappa^2 of its area: from one spacing on it has a line of the lattice; below there is room for none."""
+    table = linear(0.15, 2000.0, 0.1, 50.0, 0.3e-3, 0.3)
+    cloth = rectangle_cloth(width, 200.0, 10.0, 0.0, table)
+    uv, radius = cloth.vertex_uv_mm / 1000.0, 0.1
+    rolled = floats(np.column_stack([uv[:, 0], radius * np.sin(uv[:, 1] / radius), radius * np.cos(uv[:, 1] / radius)]))
+    energy = sum(energy for force in internal_forces(cloth, table) for name, energy in force.energies(rolled, force.slack()).items() if name == "bend")
+    exact = 0.5 * 1e-5 / radius**2 * width * 200e-6
+    assert energy / exact == pytest.approx(bends, abs=0.02)

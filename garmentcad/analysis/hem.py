@@ -23,6 +23,12 @@ class HemHeight:
     uneven_mm: float
 
 
+def rest_lengths_mm(cloth: Cloth, vertices: np.ndarray) -> np.ndarray:
+    """Lengths (N-1,) on the pattern, mm, from each of vertices (N,) along an edge to the next; 0 over the mouth of a dart, which is sewn shut."""
+    particle = cloth.vertex_particle[vertices]
+    return np.where(particle[1:] != particle[:-1], np.linalg.norm(np.diff(cloth.vertex_uv_mm[vertices], axis=0), axis=1), 0.0)
+
+
 def hem_height(cloth: Cloth, positions: np.ndarray, edge_keys: Iterable[str]) -> HemHeight | None:
     """Height of the edges `panel.edge` (keys of `Cloth.edge_vertices`) at positions (P,3) m; None without edges.
 
@@ -32,7 +38,7 @@ def hem_height(cloth: Cloth, positions: np.ndarray, edge_keys: Iterable[str]) ->
     for key in edge_keys:
         vertices = cloth.edge_vertices[key]
         height = positions[cloth.vertex_particle[vertices], 1]
-        length = np.linalg.norm(np.diff(cloth.vertex_uv_mm[vertices], axis=0), axis=1)
+        length = rest_lengths_mm(cloth, vertices)
         total += float(length.sum())
         weighted += float((length * 0.5 * (height[1:] + height[:-1])).sum())
         squares += float((length * (height[1:] ** 2 + height[1:] * height[:-1] + height[:-1] ** 2)).sum()) / 3.0

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from shapely import LineString, Polygon, get_parts, polygonize, unary_union
 
+from garmentcad.analysis.hem import rest_lengths_mm
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.units import M_TO_MM
 
@@ -96,4 +97,4 @@ def _closed_lines(cloth: Cloth, edge_keys: list[str]) -> list[tuple[np.ndarray, 
 
 
 def _length(cloth: Cloth, vertices: np.ndarray) -> float:
-    return float(np.linalg.norm(np.diff(cloth.vertex_uv_mm[vertices], axis=0), axis=1).sum()) / M_TO_MM
+    return float(rest_lengths_mm(cloth, vertices).sum()) / M_TO_MM

@@ -80,8 +80,9 @@ class Chain:
 def cut(positions: np.ndarray, triangles: np.ndarray, plane: Plane) -> list[Chain]:
     """All chains in which `plane` cuts the mesh of `triangles` (F,3) over `positions` (P,3) m.
 
-    A vertex exactly in the plane counts as above it, so every triangle is cut in one segment or not at all. Where more than two triangles share an edge the
-    chain takes the first not yet used. Chains come in order of their first triangle.
+    A vertex exactly in the plane counts as above it, so every triangle is cut in one segment or not at all. Where more than two triangles share an edge, as
+    where a lining is caught in a seam, the walk takes the first not yet used, and what it went around until it came back to the edge is a chain of its own:
+    each layer is one, whatever the order of triangles. Chains come in order of their first triangle.
     """
     height = positions @ plane.normal - plane.offset
     above = (height >= 0.0)[triangles]
@@ -122,24 +123,43 @@ def cut(positions: np.ndarray, triangles: np.ndarray, plane: Plane) -> list[Chai
         used[first] = True
         path = walk(first, 1)
         last, left = path[-1]
-        closed = len(path) > 2 and edges[last][left] == edges[first][0]
-        if not closed:
+        if len(path) <= 2 or edges[last][left] != edges[first][0]:
             path = [(segment, 1 - side) for segment, side in reversed(walk(first, 0)[1:])] + path
-        segments = np.array([segment for segment, _ in path])
-        exits = np.array([side for _, side in path])
-        enters = 1 - exits
-        line = points[segments, enters]
-        if not closed:
-            line = np.vstack([line, points[segments[-1:], exits[-1:]]])
-        chains.append(
-            Chain(
-                line,
-                crossed[segments],
-                closed,
-                ends[segments, enters],
-                fraction[segments, enters],
-                ends[segments, exits],
-                fraction[segments, exits],
+        for part, closed in _apart(path, edges):
+            segments = np.array([segment for segment, _ in part])
+            exits = np.array([side for _, side in part])
+            enters = 1 - exits
+            line = points[segments, enters]
+            if not closed:
+                line = np.vstack([line, points[segments[-1:], exits[-1:]]])
+            chains.append(
+                Chain(
+                    line,
+                    crossed[segments],
+                    closed,
+                    ends[segments, enters],
+                    fraction[segments, enters],
+                    ends[segments, exits],
+                    fraction[segments, exits],
+                )
             )
-        )
-    return chains
+    return sorted(chains, key=lambda chain: int(chain.triangles.min()))
+
+
+def _apart(path: list[tuple[int, int]], edges: list[list[int]]) -> list[tuple[list[tuple[int, int]], bool]]:
+    """A path of segments, each with the side through which it is left, as the loops in it and what is left of it, and whether each is closed. edges: of both
+    sides of each segment."""
+    found: list[tuple[list[tuple[int, int]], bool]] = []
+    way: list[tuple[int, int]] = []
+    entered = {edges[path[0][0]][1 - path[0][1]]: 0}  # how many segments of the way lie before an edge
+    for segment, side in path:
+        way.append((segment, side))
+        edge = edges[segment][side]
+        since = entered.get(edge)
+        if since is not None and len(way) - since > 2:
+            found.append((way[since:], True))
+            del way[since:]
+            entered = {other: before for other, before in entered.items() if before <= since}
+        else:
+            entered[edge] = len(way)
+    return found + ([(way, False)] if way else [])

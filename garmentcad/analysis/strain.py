@@ -17,7 +17,6 @@ from garmentcad.cloth.cloth import WARP, WEFT, Cloth
 from garmentcad.fabric.material import MaterialTable
 
 AXES = ("warp", "weft")
-AT_LIMIT, MANY_AT_LIMIT = 0.95, 0.01
 TRELLIS_LIMIT_DEG = 8.0  # the end of the KES-FB1 shear test: beyond it the law is an extrapolation
 
 
@@ -132,19 +131,12 @@ def share_over_limit_percent(warp: YarnStrain, weft: YarnStrain, materials: Mate
     return _share(np.concatenate(over), np.concatenate([warp.area, weft.area]))
 
 
-def panels_at_limit(cloth: Cloth, warp: YarnStrain, weft: YarnStrain, materials: MaterialTable) -> dict[str, float]:
-    """Share of the area, warp and weft counted each, that is within AT_LIMIT of the fabric's strain limit, of each panel in which it is more than
-    MANY_AT_LIMIT."""
+def element_panels(cloth: Cloth, part: YarnStrain) -> np.ndarray:
+    """(E,) the panel of each element: particles on a seam lie on two panels, all of an element together on one."""
     count = len(cloth.panel_names)
     lies_on = coo_array((np.ones(len(cloth.vertex_panel)), (cloth.vertex_particle, cloth.vertex_panel)), shape=(cloth.particle_count, count)).tocsr()
-    full, whole = np.zeros(count), np.zeros(count)
-    for direction, part in ((WARP, warp), (WEFT, weft)):
-        corners = [lies_on[part.particles[:, k]] for k in range(3)]
-        panel = np.asarray((corners[0] + corners[1] + corners[2]).argmax(axis=1)).ravel()  # particles on a seam lie on two panels, an element on one
-        whole += np.bincount(panel, part.area, count)
-        full += np.bincount(panel, np.where(share_of_limit(part, direction, materials) > AT_LIMIT, part.area, 0.0), count)
-    shares = np.divide(full, whole, out=np.zeros(count), where=whole > 0.0)
-    return {name: float(share) for name, share in zip(cloth.panel_names, shares, strict=True) if share > MANY_AT_LIMIT}
+    corners = [lies_on[part.particles[:, k]] for k in range(3)]
+    return np.asarray((corners[0] + corners[1] + corners[2]).argmax(axis=1)).ravel()
 
 
 def particle_mean(part: YarnStrain, values: np.ndarray, particle_count: int) -> np.ndarray:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from garmentcad.analysis.strain import YarnStrain, weighted_quantile, yarn_strain
-from garmentcad.cloth.cloth import Cloth
+from garmentcad.analysis.strain import YarnStrain, element_panels, share_of_limit, weighted_quantile, yarn_strain
+from garmentcad.cloth.cloth import WARP, WEFT, Cloth
 from garmentcad.fabric.material import MaterialTable
+
+AT_LIMIT, MANY_AT_LIMIT = 0.95, 0.01
 
 
 def tension_n_m(strain: np.ndarray, material: np.ndarray, materials: MaterialTable, direction: int) -> np.ndarray:
@@ -44,6 +46,21 @@ def carried_strain(cloth: Cloth, positions: np.ndarray, direction: int) -> YarnS
         particles=np.concatenate([yarns.particles[:links], np.repeat(corners[:, None], 3, axis=1)]),
         share=np.concatenate([yarns.share[:links], np.tile([1.0, 0.0, 0.0], (len(corners), 1))]),
     )
+
+
+def panels_at_limit(cloth: Cloth, positions: np.ndarray, materials: MaterialTable) -> dict[str, float]:
+    """Share of the area at positions (P,3) m, warp and weft counted each, whose `carried_strain` is within AT_LIMIT of the fabric's strain limit, of each panel
+    in which it is more than MANY_AT_LIMIT."""
+    full, whole = np.zeros((2, len(cloth.panel_names)))
+    for direction in (WARP, WEFT):
+        part, triangles = carried_strain(cloth, positions, direction), len(cloth.border.area)
+        panel = element_panels(cloth, yarn_strain(cloth, positions, direction))
+        links = len(panel) - triangles
+        panel = np.append(panel[:links], np.repeat(panel[links:], 3))
+        whole += np.bincount(panel, part.area, len(whole))
+        full += np.bincount(panel, np.where(share_of_limit(part, direction, materials) > AT_LIMIT, part.area, 0.0), len(whole))
+    shares = np.divide(full, whole, out=np.zeros(len(whole)), where=whole > 0.0)
+    return {name: float(share) for name, share in zip(cloth.panel_names, shares, strict=True) if share > MANY_AT_LIMIT}
 
 
 def tension_summary(cloth: Cloth, positions: np.ndarray, materials: MaterialTable, direction: int) -> dict[str, float | None]:

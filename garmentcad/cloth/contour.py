@@ -93,7 +93,11 @@ def sample_contours(pattern: Pattern, grid_mm: float) -> tuple[dict[str, Contour
             fractions[place] = values
     contours = {name: _sample_panel(panel, fractions, grid_mm) for name, panel in pattern.panels.items()}
     number = {name: index for index, name in enumerate(pattern.panels)}
-    return contours, [_stitches(seam, matches[seam.name], contours, number) for seam in pattern.seams]
+    stitches = [_stitches(seam, matches[seam.name], contours, number) for seam in pattern.seams]
+    for seam in pattern.seams:
+        if seam.closed is not None:
+            contours |= _opened(seam, matches[seam.name], contours)
+    return contours, stitches
 
 
 def _sample_panel(panel: Panel, sewn: dict[tuple[str, int], np.ndarray], grid_mm: float) -> Contour:
@@ -159,7 +163,7 @@ def _stitches(seam: Seam, match: SeamMatch, contours: dict[str, Contour], number
     arriving_b, leaving_b = _run_points(seam.b, match.joints_b, match.count, contours, number)
     pairs = np.stack([np.hstack([arriving_a, arriving_b]), np.hstack([leaving_a, leaving_b])], axis=1).reshape(-1, 4)
     if seam.closed is not None:
-        teeth = round(seam.closed * (match.count - 1))
+        teeth = _teeth(seam, match, contours)
         pairs = pairs[: 2 * (teeth + 1) if teeth > 0 else 0]
     fresh = np.append(True, np.any(pairs[1:] != pairs[:-1], axis=1))
     apart = np.any(pairs[:, :2] != pairs[:, 2:], axis=1)  # the apex of a dart needs no stitch
@@ -168,6 +172,34 @@ def _stitches(seam: Seam, match: SeamMatch, contours: dict[str, Contour], number
         onto = number[seam.tack.panel], contours[seam.tack.panel].edge_points[seam.tack.edge][0]
         stitches = np.vstack([stitches, [*arriving_a[-1], *onto]])
     return indices(stitches)
+
+
+def _teeth(seam: Seam, match: SeamMatch, contours: dict[str, Contour]) -> int:
+    """The sample up to which a zip is closed: the nearest one to its share of the length of side a."""
+    assert seam.closed is not None
+    lengths = np.concatenate([_steps(contours[use.panel], use) for use in seam.a])
+    along = np.append(0.0, np.cumsum(lengths))
+    return int(np.argmin(np.abs(along - seam.closed * along[-1])))
+
+
+def _steps(contour: Contour, use: EdgeUse) -> np.ndarray:
+    """Lengths, mm, from sample to sample along an edge as a seam runs over it."""
+    steps = np.linalg.norm(np.diff(contour.points_mm[contour.edge_points[use.edge]], axis=0), axis=1)
+    return steps[::-1] if use.reverse else steps
+
+
+def _opened(seam: Seam, match: SeamMatch, contours: dict[str, Contour]) -> dict[str, Contour]:
+    """The contours that a zip runs over, with its open part as outline to which nothing is sewn."""
+    found, teeth = dict(contours), _teeth(seam, match, contours)
+    for uses, joints in ((seam.a, match.joints_a), (seam.b, match.joints_b)):
+        for use, first, last in zip(uses, joints[:-1], joints[1:]):
+            contour = found[use.panel]
+            closed = int(np.clip(teeth - first, 0, last - first))
+            begins = contour.edge_points[use.edge][:-1]  # of segments, as the outline runs
+            sewn = contour.sewn.copy()
+            sewn[begins[: last - first - closed] if use.reverse else begins[closed:]] = False
+            found[use.panel] = replace(contour, sewn=sewn)
+    return found
 
 
 def _run_points(

@@ -19,7 +19,8 @@ def fold_chains(
 ) -> tuple[np.ndarray, tuple[tuple[int, np.ndarray], ...]]:
     """Points (N,2) of the folds of a panel beside those of its contour (M,2), and chains: number of the fold and its points, numbered from the contour's on.
 
-    Only what lies inside the panel (polygon) folds. Chains have points at the corners of fold lines and where folds cross, no farther apart than the grid.
+    Only what lies inside the panel (polygon) folds, nothing along its outline. Chains have points at the corners of fold lines, where folds cross, and where
+    they meet points of the contour, no farther apart than the grid.
     """
     lines = [shapely.LineString(fold.points_mm) for fold in folds]
     points: list[np.ndarray] = [*contour_mm]
@@ -36,11 +37,18 @@ def fold_chains(
     for number, line in enumerate(lines):
         met = [shapely.intersection(line, other) for k, other in enumerate(lines) if k != number and line.intersects(other)]
         for part in shapely.get_parts(shapely.intersection(line, polygon)):
-            if part.length < _SAME_MM or part.interpolate(0.5, normalized=True).distance(polygon.boundary) < _SAME_MM:
-                continue  # along the outline nothing folds
-            marks = np.unique([0.0, part.length, *(part.project(shapely.Point(xy)) for xy in [*part.coords, *shapely.get_coordinates(met)])])
+            if part.length < _SAME_MM:
+                continue
+            touched = contour_mm[shapely.distance(shapely.points(contour_mm), part) < _SAME_MM]
+            marks = np.unique([0.0, part.length, *(part.project(shapely.Point(xy)) for xy in [*part.coords, *shapely.get_coordinates(met), *touched])])
             marks = marks[np.append(True, np.diff(marks) > _SAME_MM)]
-            at = [np.linspace(a, b, part_count(b - a, grid_mm) + 1)[:-1] for a, b in pairwise(marks)]
-            places = shapely.get_coordinates(part.interpolate(np.append(np.concatenate(at), marks[-1])))
-            chains.append((number, indices([number_of(place) for place in places])))
+            chain: list[int] = []
+            for a, b in pairwise(marks):
+                if part.interpolate(0.5 * (a + b)).distance(polygon.boundary) < _SAME_MM:  # along the outline nothing folds
+                    chains += [(number, indices(chain))] if chain else []
+                    chain = []
+                    continue
+                at = shapely.get_coordinates(part.interpolate(np.linspace(a, b, part_count(b - a, grid_mm) + 1)))
+                chain += [number_of(place) for place in at[1 if chain else 0 :]]
+            chains += [(number, indices(chain))] if chain else []
     return np.array(points[len(contour_mm) :]).reshape(-1, 2), tuple(chains)

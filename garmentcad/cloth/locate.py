@@ -26,11 +26,17 @@ def located(cloth: Cloth, panel: int, points_mm: np.ndarray) -> Located:
     """Points (N,2), panel mm, on the triangles of a panel. A point beside the chords of a curved contour continues the nearest triangle."""
     triangles = cloth.triangles[cloth.vertex_panel[cloth.triangles[:, 0]] == panel]
     corners = cloth.vertex_uv_mm[triangles]
-    near = cKDTree(corners.mean(axis=1)).query(points_mm, k=min(_NEAREST, len(triangles)))[1].reshape(len(points_mm), -1)
-    weights = _barycentric(points_mm[:, None, :], corners[near])
-    best = np.argmax(weights.min(axis=2), axis=1)
-    rows = np.arange(len(points_mm))
-    return Located(triangles[near[rows, best]], weights[rows, best])
+    tree, rows = cKDTree(corners.mean(axis=1)), np.arange(len(points_mm))
+    found, held = np.zeros(len(points_mm), dtype=np.int64), np.empty((len(points_mm), 3))
+    for count in (min(_NEAREST, len(triangles)), len(triangles)):  # all of them where those are smaller than the one that holds the point
+        near = tree.query(points_mm[rows], k=count)[1].reshape(len(rows), -1)
+        weights = _barycentric(points_mm[rows][:, None, :], corners[near])
+        best = np.argmax(weights.min(axis=2), axis=1)
+        found[rows], held[rows] = near[np.arange(len(rows)), best], weights[np.arange(len(rows)), best]
+        rows = np.flatnonzero(held.min(axis=1) < -_BESIDE)
+        if len(rows) == 0:
+            break
+    return Located(triangles[found], held)
 
 
 class Anchors(NamedTuple):

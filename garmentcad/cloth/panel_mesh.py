@@ -104,11 +104,12 @@ def mesh_panel(
 def _centered_origin(lower: np.ndarray, upper: np.ndarray, grid: float) -> np.ndarray:
     """The box's centre, or half a grid beside it: whichever puts the outermost lattice line nearer to one grid from the box, between 3/4 and 5/4.
 
-    It is a grid for a box of whole grids, up to round-off.
+    It is a grid for a box of whole grids, up to round-off. A box of up to 1.5 grids has its one line in the middle: beside it there would be none, and a strap
+    would bend along its length for nothing.
     """
     half = 0.5 * (upper - lower) / grid
     gap = (half + 0.25 - _NEAR) % 1.0  # from 3/4 of a grid off the box, where a line may be, to the last one of a lattice through the centre
-    return 0.5 * (lower + upper) + np.where(gap < 0.5, 0.0, 0.5 * grid)
+    return 0.5 * (lower + upper) + np.where((gap < 0.5) | (half < 0.75 + _NEAR), 0.0, 0.5 * grid)
 
 
 def _lattice_points(contour: Contour, border: np.ndarray, origin: np.ndarray, grid: float) -> tuple[np.ndarray, np.ndarray]:

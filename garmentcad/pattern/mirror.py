@@ -13,7 +13,7 @@ from garmentcad.geometry.curve import Line, Point, mirror_point
 from garmentcad.pattern.darts import find_edge
 from garmentcad.pattern.names import SUFFIX, check_images
 from garmentcad.pattern.outline import finish_loop, mirror_edge
-from garmentcad.pattern.pattern import Edge, Panel, Region, Transform, Wrap
+from garmentcad.pattern.pattern import Edge, FoldLine, Panel, Region, Transform, Wrap
 
 _ON_FOLD_MM = 0.01  # a fold line that is its own image, as the crease at centre front, stays one
 
@@ -21,7 +21,8 @@ _ON_FOLD_MM = 0.01  # a fold line that is its own image, as the crease at centre
 def unfold(half: Panel, mirror: str, key: str) -> Panel:
     """The whole panel of a half one: its mirror edge goes, mirrored edges, points, darts, regions, lines, holes get the suffix `_m`.
 
-    The two points of the mirror edge lie on the fold and keep their names; notches keep theirs too, so that they meet the same notch on either side.
+    The two points of the mirror edge lie on the fold and keep their names; notches keep theirs too, so that they meet the same notch on either side. What fold
+    lines have beyond the mirror edge goes.
     SpecError: unknown or curved mirror edge, a mirror edge with a dart or a notch, a name that the suffix makes twice.
     """
     where = find_edge(half.edges, mirror, key)
@@ -38,6 +39,7 @@ def unfold(half: Panel, mirror: str, key: str) -> Panel:
     def renamed(name: str) -> str:
         return name if name in (fold.start, fold.end) else name + SUFFIX
 
+    half = replace(half, folds=tuple(_on_half(line, fold.curve, key) for line in half.folds))
     drawn = [*half.edges[where + 1 :], *half.edges[:where]]
     image = _mirrored(half, point, direction, renamed, SUFFIX)
     turned = [replace(mirror_edge(edge, point, direction, renamed, SUFFIX), image=True) for edge in reversed(drawn)]
@@ -53,6 +55,27 @@ def unfold(half: Panel, mirror: str, key: str) -> Panel:
         drill_holes=half.drill_holes | image.drill_holes,
         points=image.points | half.points,
     )
+
+
+def _on_half(line: FoldLine, mirror: Line, key: str) -> FoldLine:
+    """A fold line as far as it lies on the panel's side of the mirror edge: beyond, its image goes on. One that lies wholly on one side, or is its own image,
+    stays as it is drawn. SpecError for one that crosses the edge more than once."""
+    start, (along_x, along_y) = np.array(mirror.start), _direction(mirror)
+    inward = np.array([-along_y, along_x]) / math.hypot(along_x, along_y)  # the panel lies to the left of its edges
+    depth = (line.points_mm - start) @ inward
+    depth[np.abs(depth) < _ON_FOLD_MM] = 0.0
+    if depth.min() >= 0.0 or depth.max() <= 0.0:
+        return line
+    kept: list[np.ndarray] = []
+    for k, point in enumerate(line.points_mm):
+        if k and depth[k - 1] * depth[k] < 0.0:
+            kept.append(line.points_mm[k - 1] + depth[k - 1] / (depth[k - 1] - depth[k]) * (point - line.points_mm[k - 1]))
+        if depth[k] >= 0.0:
+            kept.append(point)
+    inside = np.sign(depth)[depth != 0.0]
+    if np.count_nonzero(inside[1:] != inside[:-1]) > 1:
+        raise SpecError(f"fold {line.name!r} crosses the mirror edge more than once; draw it on the half panel, its image is made", key=key)
+    return replace(line, points_mm=np.array(kept))
 
 
 def mirrored_panel(panel: Panel, name: str, placement: Wrap | Transform) -> Panel:

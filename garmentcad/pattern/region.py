@@ -40,6 +40,18 @@ def _factor(expression: Number, scope: Scope, key: str) -> float:
     return value
 
 
+def _without_holes(part: shapely.Geometry) -> list[shapely.Polygon]:
+    """A polygon cut through its holes until there are none, in pieces that overlap by a hair: what lies on a cut lies in one of them. Nothing of a line."""
+    if not isinstance(part, shapely.Polygon):
+        return []
+    if not part.interiors:
+        return [part]
+    left, low, right, high = part.bounds
+    cut = shapely.Polygon(part.interiors[0]).centroid.x
+    halves = (shapely.box(left, low, cut + _TOLERANCE_MM, high), shapely.box(cut - _TOLERANCE_MM, low, right, high))
+    return [piece for half in halves for found in shapely.get_parts(part.intersection(half)) for piece in _without_holes(found)]
+
+
 def _areas(region: RegionSpec, edges: list[Edge], outline: np.ndarray, scope: Scope, key: str) -> list[np.ndarray]:
     if region.polygon is not None:
         polygon = np.array([scope.point(pair, f"{key}.polygon.{k}") for k, pair in enumerate(region.polygon)])
@@ -53,5 +65,5 @@ def _areas(region: RegionSpec, edges: list[Edge], outline: np.ndarray, scope: Sc
     lines = [edge.curve.polyline(_TOLERANCE_MM) for edge in edges if edge.name == region.band.edge]
     band = shapely.MultiLineString(lines).buffer(width, quad_segs=16).intersection(shapely.make_valid(shapely.Polygon(outline)))
     # Area within `width` of the edge; where the outline is narrow it can fall apart.
-    parts = [part for part in shapely.get_parts(band) if part.geom_type == "Polygon" and part.area > 1.0]
+    parts = [piece for part in shapely.get_parts(band) for piece in _without_holes(part) if piece.area > 1.0]
     return [np.array(shapely.geometry.polygon.orient(part).exterior.coords)[:-1] for part in parts]

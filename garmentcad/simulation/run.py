@@ -16,8 +16,8 @@ import numpy as np
 from shapely.geometry import Polygon
 
 from garmentcad.analysis.clearance import clearing_moves, move_panels
-from garmentcad.analysis.strain import panels_at_limit, yarn_strain
-from garmentcad.cloth.cloth import WARP, WEFT, Cloth
+from garmentcad.analysis.tension import panels_at_limit
+from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.lattice import build_cloth
 from garmentcad.cloth.state import State
 from garmentcad.cloth.weld import weld, weld_seams
@@ -368,8 +368,7 @@ class _Run:
             self.warnings += welding.open_seams
             status = "max_time" if status == "converged" else status
         self.warnings += [redundance_message(found) for found in redundances(self._hardware(cloth), cloth, self.job.mannequin)]
-        warp, weft = (yarn_strain(cloth, self.state.positions, direction) for direction in (WARP, WEFT))
-        for name, share in panels_at_limit(cloth, warp, weft, self.materials).items():
+        for name, share in panels_at_limit(cloth, self.state.positions, self.materials).items():
             self.warnings.append(f"panel '{name}' is too tight: {100.0 * share:.0f} % of its warp and weft is stretched to the limit of the fabric (1.5 Fm)")
         if SEWING in self.state.run:
             self.warnings.append("seams did not close the first time: the panels were placed once more, a hundredth of a millimetre aside")
