@@ -31,6 +31,7 @@ from garmentcad.io.fabric_file import load_fabric
 from garmentcad.io.shipped import resolve_reference
 from garmentcad.mannequin.mannequin import ArrangementCylinder, Mannequin
 from garmentcad.pattern.draft import draft
+from garmentcad.pattern.outfit import below, put_on
 from garmentcad.pattern.parse import parse_spec
 from garmentcad.placement.place import place_vertices
 from garmentcad.simulation.checkpoint import load_state
@@ -38,6 +39,7 @@ from garmentcad.simulation.job import Job
 from garmentcad.simulation.materials import lay_out
 from garmentcad.simulation.record import record
 from garmentcad.simulation.run import Outcome, run
+from garmentcad.simulation.sewing import held_from_the_start
 from garmentcad.solve.dynamics import Dynamics
 from garmentcad.solve.hardware import button_shanks, hardware_rows, redundances
 from garmentcad.solve.strain_limit import strain_limit
@@ -351,6 +353,48 @@ def test_buttons_and_an_elastic_go_with_a_body_that_turns(monkeypatch: pytest.Mo
     assert forces["ForceBand"].tensions(movement.state.positions) == pytest.approx(forces["ForceBand"].tensions(outcome.state.positions), rel=0.2)
     start, end = (np.arctan2(shape[:, 0], shape[:, 2]) for shape in (outcome.state.positions, movement.state.positions))
     assert np.degrees(np.median(np.angle(np.exp(1j * (end - start))))) == pytest.approx(30.0, abs=3.0)
+
+
+def test_what_fell_and_what_does_not_hold_is_said() -> None:
+    """A tube too wide for its body falls past it, and the run ends there; a pin whose point lies 20 mm inside is kept off by contact."""
+
+    def wide(data: dict[str, Any]) -> None:
+        closed()(data)
+        data["values"]["half"] = "waist / 2 + 60"
+        for half in ("left", "right"):
+            data["panels"][half]["placement"]["wrap"]["offset"] = 30
+
+    fell = draped(job(wide, grid_mm=30.0))
+    assert (fell.status, fell.state.positions[:, 1].max() < 0.0) == ("max_time", True)
+    assert record(fell)[0].warnings == ("the garment fell off: all of it is below the body, and the run ended there",)
+    pinned = record(draped(job(closed(pins=[{"name": "p", "at": "left.centre", "point": [-100, 310, 0]}]), grid_mm=30.0, max_time_s=3.0)))[0]
+    (said,) = [warning for warning in pinned.warnings if warning.startswith("pin")]
+    assert said.startswith("pin 'p' does not hold: its point is 2")
+    assert pinned.constraints["gap_mm"]["p"] > 20.0
+
+
+def test_what_is_worn_stays_done_up_while_more_is_put_on() -> None:
+    """Rows of the garment below, of whatever order, hold from the first seams of the one above on; those above keep their own."""
+    over = {"name": "over", "button": "outer-left.low", "buttonhole": "outer-right.low", "order": 2}
+    specs = [copy.deepcopy(TUBE), copy.deepcopy(TUBE)]
+    placket(specs[0])
+    placket(specs[1])
+    specs[1]["closures"] = [{**over, "button": "left.low", "buttonhole": "right.low"}]
+    for spec, name in zip(specs, ("inner", "outer")):
+        spec["name"] = name
+    read = [parse_spec(spec) for spec in specs]
+    pattern = put_on("both", [draft(spec, BODY.measurements_mm) for spec in read], "cylinder")
+    fabric = load_fabric(resolve_reference("wool-suiting", "fabrics", Path()))
+    fabrics = dict.fromkeys([pattern.fabric, *(panel.fabric or pattern.fabric for panel in pattern.panels.values())], fabric)
+    made = Job(read[0], pattern, fabrics, BODY, 30.0, worn=tuple(read))
+    materials, material_of = lay_out(made)
+    cloth = build_cloth(pattern, material_of, materials, 30.0)
+    rows = hardware_rows(pattern, cloth, materials, BODY)
+    held = held_from_the_start(rows, cloth, below(pattern).panels)
+    names = np.array(held.names)
+    assert set(rows.order[names == "inner-high"]) == {2.0}
+    assert set(held.order[names == "inner-high"]) == {1.0}
+    assert set(held.order[names == "outer-over"]) == {2.0}
 
 
 def test_a_zip_joins_its_closed_part_and_leaves_the_rest_open() -> None:

@@ -83,6 +83,27 @@ def test_worn_over_each_other(folder: Path, monkeypatch: pytest.MonkeyPatch) -> 
     assert (behind < 1.0).all()
 
 
+def test_creases_of_what_is_worn_stay_while_more_is_put_on(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """They rest at their angle while the belt closes, and are not ironed a second time: 85 % of 150 degrees stay of wool, not 85 % of the rest as well."""
+    points = "    points: {a: [0, 0], b: [waist / 2 + 10, 0], c: [waist / 2 + 10, height], d: [0, height]}\n"
+    crease = "    internal_lines: {crease: [[waist / 4, 0], [waist / 4, height]]}\n    folds: [{name: crease, line: crease, angle: 150, pressed: 0.85}]\n"
+    assert points in BAND
+    (folder / "band.yaml").write_text(BAND.replace(points, points + crease, 1))
+    rest: list[tuple[bool, list[float]]] = []
+    make = run.make_dynamics
+
+    def made(job: Any, cloth: Any, materials: Any, fold_angles: np.ndarray, *more: Any, **named: Any) -> Any:
+        if len(job.worn) > 1:
+            rest.append((named.get("dressing", False), np.degrees(fold_angles).tolist()))
+        return make(job, cloth, materials, fold_angles, *more, **named)
+
+    monkeypatch.setattr(run, "make_dynamics", made)
+    outcome = run.run(make_job(folder / "outfit.yaml", grid_mm=30.0, max_time_s=3.0), lambda progress: None)
+    assert [dressing for dressing, _ in rest] == [True, False]
+    assert all(angles == pytest.approx([127.5, 127.5]) for _, angles in rest)
+    assert np.degrees(outcome.state.fold_angles) == pytest.approx([127.5, 127.5])
+
+
 def test_nothing_is_put_on_over_what_was_not_sewn(folder: Path) -> None:
     result = drape(folder / "outfit.yaml", grid_mm=30.0, max_time_s=0.02)
     report = result.report

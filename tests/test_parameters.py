@@ -96,6 +96,20 @@ def test_arguments_of_another_kind_are_refused(given: dict[str, Any], message: s
         make_job(**{"spec": "straight-skirt"} | given)
 
 
+def test_a_pose_that_is_too_fast_is_refused_before_anything_is_draped(tmp_path: Path) -> None:
+    (tmp_path / "fast.yaml").write_text("schema: 1\nframes:\n  - {time: 0.1, ahead: 1500}\n")
+    with pytest.raises(InputError, match=r"pose: the body goes \d+ m/s between 0 and .* at most 10 m/s"):
+        make_job("straight-skirt", pose=tmp_path / "fast.yaml")
+
+
+def test_another_body_of_the_same_surface_is_another_run() -> None:
+    """Its pattern is drafted by other measurements."""
+    body = read_mannequin("woman-88")
+    other = replace(body, measurements_mm=body.measurements_mm | {"hip": body.measurements_mm["hip"] + 4.0})
+    one, two = (make_job("straight-skirt", mannequin=worn).identity for worn in (body, other))
+    assert {key for key in one if one[key] != two[key]} == {"mannequin"}
+
+
 def test_an_empty_folder_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """It would be the working folder, from which a drape takes away older results."""
     monkeypatch.chdir(tmp_path)

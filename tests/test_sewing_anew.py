@@ -94,6 +94,18 @@ def test_what_fails_again_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     assert sum("contact is stuck" in warning for warning in outcome.warnings) == 1
 
 
+def test_what_is_stuck_tells_its_open_seams(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The widest stitch of each seam, as it stands where the run ended."""
+    monkeypatch.setattr(run, "close_seams", Sewing(SEWINGS, stuck=True))
+    outcome = run.run(skirt(), lambda progress: None)
+    a, b = (outcome.state.positions[outcome.cloth.stitches[:, side]] for side in (0, 1))
+    gaps = 1e3 * np.linalg.norm(a - b, axis=1)
+    assert outcome.status == "intersecting"
+    assert gaps.max() > 1.0
+    assert outcome.welding.gap_mm == {name: pytest.approx(gaps[outcome.cloth.stitch_seam == seam].max()) for seam, name in enumerate(outcome.cloth.seam_names)}
+    assert sum("mm open" in warning for warning in outcome.warnings) == sum(gap > 1.0 for gap in outcome.welding.gap_mm.values())
+
+
 def test_the_second_one_is_resumed_as_the_second(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     whole = Sewing(1)
     monkeypatch.setattr(run, "close_seams", whole)

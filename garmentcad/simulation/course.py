@@ -89,6 +89,7 @@ _CALM = "calm"  # in State.run: whether the residual has been below CALM_G
 _TRULY = "truly"  # in State.run: whether cloth settles with true masses; from where a watch ended with a residual above its bar though nothing grew, or
 # cloth of other masses stood still out of balance
 _PLAIN = "plain"  # in State.run: whether a watch has been; the next one takes the steps that its stiffest part bears
+FELL = "fell"  # in State.run: all of the garment is below the body
 STANDS = "stands"  # in State.run: whether cloth stood still with true masses, out of balance
 SMALLEST_STEP_FACTOR = 1.0 / 8.0  # of the time step that the stiffness allows, to which a run that diverges is taken back before it is given up
 
@@ -158,7 +159,9 @@ class Course:
         """Advance until rest, standstill, the cap, or until all of it has fallen past the body. Returns 'converged' or 'max_time'; DivergedError where smaller
         steps do not help. `look` may raise to interrupt (a checkpoint of `state` is then whole)."""
         while state.phase != "rest":
-            if state.time_s >= self.max_time_s or STANDS in state.run or self._is_off(state):
+            if self._is_off(state):
+                state.run[FELL] = 1.0
+            if state.time_s >= self.max_time_s or STANDS in state.run or FELL in state.run:
                 return "max_time"
             self.set_phase(state)
             if not advance_or_retreat(self.dynamics, state):

@@ -15,6 +15,7 @@ import numpy as np
 from garmentcad import __version__
 from garmentcad.analysis.run_record import Mode
 from garmentcad.cloth.lattice import check_grid
+from garmentcad.contact.path import BodyPath
 from garmentcad.errors import FileError, InputError
 from garmentcad.fabric.missing import Completed
 from garmentcad.fabric.sheet import KesSheet, sheet_sha256
@@ -66,6 +67,7 @@ class Job:
         for points in (self.mannequin.landmarks, {name: np.hstack(astuple(cylinder)) for name, cylinder in self.mannequin.cylinders.items()}):
             for name, place in sorted(points.items()):
                 body.update(name.encode() + place.tobytes())
+        body.update(json.dumps(self.mannequin.measurements_mm, sort_keys=True).encode())  # the pattern is drafted by them
         # by their own names: a spec knows a fabric that stands in place of its own by the name of that one
         sheets = ", ".join(f"{completed.sheet.name} {sheet_sha256(completed.sheet)}" for _, completed in sorted(self.fabrics.items()))
         return {
@@ -122,8 +124,17 @@ def make_job(
         pattern, fabrics = _dressed(outfit, worn, body.measurements_mm)
     poses = () if pose is None else tuple(read_poses(pose))
     if poses:
-        motion(body, poses)  # refuses what the body cannot do, before anything is draped
+        _refuse_motion(body, poses)
     return Job(outfit, pattern, fabrics, body, float(grid_mm), seed, mode, max_time_s, folder, worn, poses)
+
+
+def _refuse_motion(body: Mannequin, poses: tuple[KeyFrame, ...]) -> None:
+    """What the body cannot do, or not as fast, is refused before anything is draped."""
+    times, vertices = motion(body, poses)
+    try:
+        BodyPath(times, vertices)
+    except InputError as error:
+        raise InputError(error.message, key="pose") from None
 
 
 def _body(spec: GarmentSpec | OutfitSpec, given: str | Path | Mannequin | None) -> Mannequin:

@@ -16,6 +16,7 @@ from garmentcad.analysis.on_body import on_body
 from garmentcad.analysis.penetration import penetration_mm
 from garmentcad.analysis.run_record import BAND_KEYS, RunRecord, Status
 from garmentcad.analysis.seam_tension import SeamTension, seam_tension
+from garmentcad.cloth.state import State
 from garmentcad.fabric.sheet import is_calibrated
 from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.band import ForceBand
@@ -26,6 +27,7 @@ from garmentcad.geometry.intersection import crossing_triangle_pairs, crossing_t
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.pattern import Pattern, edge_roles
 from garmentcad.placement.place import place_vertices
+from garmentcad.simulation.course import FELL
 from garmentcad.simulation.job import Job
 from garmentcad.simulation.run import Outcome
 from garmentcad.solve.dynamics import DivergedError
@@ -34,6 +36,7 @@ from garmentcad.units import M_TO_MM
 
 FALLEN_MM = 500.0
 WIDEST_BUTTON_MM = 0.5  # a hole that stands farther from its shank pulls with 10 N, or lies on the wrong side
+WIDEST_PIN_MM = 1.0  # beyond what contact keeps one from that is put onto the body
 LIBRARIES = ("numpy", "scipy", "numba", "trimesh", "shapely")
 
 
@@ -61,7 +64,7 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
     energy = outcome.dynamics.forces.energy(state.positions, state.friction) if finite else {}
     if finite:
         seams = _seams(outcome)
-    fallen = _fallen(state.positions, body) if finite else []
+    fallen = _fallen(state, body) if finite else []
     repairs = [f"mannequin {body.name}: {repair}" for repair in body.repairs]
     made = RunRecord(
         garment=job.pattern.name,
@@ -140,15 +143,19 @@ def _held(outcome: Outcome) -> dict[str, tuple[float, float]]:
 
 
 def _undone(pattern: Pattern, held: dict[str, tuple[float, float]]) -> list[str]:
-    """A sentence for each button that is not where it holds."""
-    gaps = {button.name: held.get(button.name, (0.0, 0.0))[0] for button in pattern.buttons}
+    """A sentence for each button and pin that is not where it holds."""
+    buttons, pins = ({one.name: held.get(one.name, (0.0, 0.0))[0] for one in kind} for kind in (pattern.buttons, pattern.pins))
     bar = f"at most {WIDEST_BUTTON_MM:g} mm is a button that holds"
-    return [f"button '{name}' is not done up: its hole is {gap:.1f} mm from the shank ({bar})" for name, gap in gaps.items() if gap > WIDEST_BUTTON_MM]
+    found = [f"button '{name}' is not done up: its hole is {gap:.1f} mm from the shank ({bar})" for name, gap in buttons.items() if gap > WIDEST_BUTTON_MM]
+    bar = f"at most {WIDEST_PIN_MM:g} mm is a pin that holds"
+    return found + [f"pin '{name}' does not hold: its point is {gap:.1f} mm from its place ({bar})" for name, gap in pins.items() if gap > WIDEST_PIN_MM]
 
 
-def _fallen(positions: np.ndarray, body: Mannequin) -> list[str]:
+def _fallen(state: State, body: Mannequin) -> list[str]:
     """A sentence for a garment that nothing holds up."""
-    below = M_TO_MM * float(body.vertices[:, 1].min() - positions[:, 1].min())
+    if FELL in state.run:
+        return ["the garment fell off: all of it is below the body, and the run ended there"]
+    below = M_TO_MM * float(body.vertices[:, 1].min() - state.positions[:, 1].min())
     return [f"the garment fell off: it hangs down to {below:.0f} mm below the floor"] if below > FALLEN_MM else []
 
 

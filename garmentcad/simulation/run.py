@@ -6,7 +6,7 @@ import math
 import signal
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -48,7 +48,7 @@ from garmentcad.simulation.mend import off_body, turned_out
 from garmentcad.simulation.pressing import imposed_angles, laid_angles, press, under_iron
 from garmentcad.simulation.refine import refined, refined_sliders
 from garmentcad.simulation.resume import refuse_course, refuse_memory, refuse_shape
-from garmentcad.simulation.sewing import SEWING, Welding, close_seams, hold, weld_state
+from garmentcad.simulation.sewing import SEWING, Welding, close_seams, held_from_the_start, hold, open_gaps, weld_state
 from garmentcad.simulation.start import refuse_tangled
 from garmentcad.solve.dynamics import DivergedError, Dynamics, IntersectingError
 from garmentcad.solve.hardware import button_shanks, hardware_rows, pin_rows, redundance_message, redundances
@@ -179,6 +179,7 @@ class _Run:
         self.warnings = [] if state is None else list(state.said)
         self.setup = 0.0
         self._placed: np.ndarray | None = None
+        self._worn_angles: dict[str, float] = {}  # by PANEL.FOLD, rad, of the folds of what is worn already
         self._untried = state is not None  # read from a file, and not yet found to fit
 
     def drape(self, grids: tuple[float, ...]) -> Outcome:
@@ -250,16 +251,19 @@ class _Run:
 
     def _sew(self, flat: Cloth, start: Cloth, welded: Cloth, particle_map: np.ndarray) -> Outcome | None:
         """Close and weld the seams that are open at the start; an outcome only where that failed."""
-        dynamics, _ = make_dynamics(self.job, start, self._for_sewing(), laid_angles(self.job), dressing=True)
         if self.state is None:
             self.state = self._placed_state(flat, start, 0)
+        worn = below(self.job.pattern).panels if len(self.job.worn) > 1 else {}
+        angles = np.where(_folds_of(flat, worn), self.state.fold_angles, laid_angles(self.job))
+        dynamics, _ = make_dynamics(self.job, start, self._for_sewing(), angles, dressing=True)
         self._begin(dynamics)
         sewing = int(self.state.run.get(SEWING, 0.0)) + 1
         pull = CLOSING_OVER_N_M if len(self.job.worn) > 1 else CLOSING_PULL_N_M
         failed: DivergedError | IntersectingError | None = None
         welding = Welding()
         try:
-            welding = close_seams(dynamics, self.state, self._hardware(start), self.keep, pull, self.job.max_time_s, sewing < SEWINGS)
+            hardware = held_from_the_start(self._hardware(start), start, worn)
+            welding = close_seams(dynamics, self.state, hardware, self.keep, pull, self.job.max_time_s, sewing < SEWINGS)
         except (DivergedError, IntersectingError) as error:
             failed = error
         self._add_up(dynamics.seconds)
@@ -269,6 +273,8 @@ class _Run:
             return self._sew(flat, start, welded, particle_map)
         if failed is not None:
             self.warnings.append(str(failed))
+            if np.isfinite(self.state.positions).all():
+                self.state.run |= open_gaps(start, self.state.positions).as_run()
             return self._broken_off(flat, start, failed.status)
         if welding.open_seams and out_of_time:
             self.state.run |= welding.as_run()
@@ -280,7 +286,7 @@ class _Run:
         body = self.job.mannequin
         turned = turned_out(self.state.positions, welded.particle_triangles)
         self.state.positions = off_body(turned, welded.particle_triangles, body.vertices, body.faces, welded.spacing)
-        self.state.phase = "press" if flat.fold_names else "fall"
+        self.state.phase = "fall" if _folds_of(flat, worn).all() else "press"  # what is worn has been pressed
         self.state.run |= {"phase_from_s": self.state.time_s} | welding.as_run()
         self.keep.state = None  # until the next phase begins: the state before need not take memory while the next stepper is made
         return None
@@ -293,7 +299,8 @@ class _Run:
             self.warnings = list(dict.fromkeys(self.warnings))  # a resumed run that places anew has said the same before
         jitter = np.random.default_rng([self.job.seed, sewing]).standard_normal(self._placed.shape)
         positions = self._placed + JITTER_M * jitter
-        state = State(positions, np.zeros_like(positions), phase="close", fold_angles=np.zeros(len(flat.fold_names)), said=tuple(self.warnings))
+        angles = np.array([self._worn_angles.get(name, 0.0) for name in flat.fold_names])
+        state = State(positions, np.zeros_like(positions), phase="close", fold_angles=angles, said=tuple(self.warnings))
         if sewing > 0:
             state.run[SEWING] = float(sewing)
         if flat.spacing == MM_TO_M * self.job.grid_mm:
@@ -313,6 +320,7 @@ class _Run:
             raise UnsewnError(outcome)
         if outcome.status != "converged":
             self.warnings.append(f"what is worn below ended as {outcome.status} before the outermost garment was put on")
+        self._worn_angles = dict(zip(outcome.flat.fold_names, outcome.state.fold_angles.tolist(), strict=True))
         return _hung(outcome)
 
     def _unsewn(self, flat: Cloth, below: Outcome) -> Outcome:
@@ -449,6 +457,11 @@ def _hung(outcome: Outcome) -> dict[str, np.ndarray]:
     """Where the vertices (V,3) m of each panel ended."""
     ends = outcome.state.positions[outcome.cloth.vertex_particle]
     return {name: ends[outcome.cloth.vertex_panel == number] for number, name in enumerate(outcome.cloth.panel_names)}
+
+
+def _folds_of(flat: Cloth, panels: Collection[str]) -> np.ndarray:
+    """(F,) bool: which folds lie on `panels`."""
+    return np.array([name.split(".")[0] in panels for name in flat.fold_names], dtype=bool)
 
 
 def _with_worn(positions: np.ndarray, cloth: Cloth, worn: dict[str, np.ndarray]) -> np.ndarray:

@@ -4,7 +4,7 @@ ones of their panels, or later where they say so, and stay, buttons on their sha
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -104,6 +104,22 @@ def close_seams(
         if all_or_none and welding.open_seams:
             return welding
     return welding
+
+
+def open_gaps(cloth: Cloth, positions: np.ndarray) -> Welding:
+    """The seams of a cloth that could not be sewn, as they stand at positions (P,3) m."""
+    a, b = (positions[cloth.stitches[:, side]] for side in (0, 1))
+    return Welding(_worst_mm([cloth.seam_names[k] for k in cloth.stitch_seam], np.linalg.norm(a - b, axis=1)))
+
+
+def held_from_the_start(rows: PointRows, cloth: Cloth, panels: Collection[str]) -> PointRows:
+    """Rows with the lowest order of the cloth's seams where all their particles lie on `panels`: what is worn already is done up while more is sewn."""
+    worn = np.zeros(cloth.particle_count, dtype=bool)
+    worn[cloth.vertex_particle[np.isin(np.array(cloth.panel_names)[cloth.vertex_panel], list(panels))]] = True
+    bound = rows.particle < cloth.particle_count  # the rest are a body's nodes
+    elsewhere = np.unique(rows.row[bound][~worn[rows.particle[bound]]])
+    mine, order = np.isin(np.arange(len(rows.order)), elsewhere, invert=True), cloth.seam_order[cloth.stitch_seam]
+    return replace(rows, order=np.where(mine, order.min(), rows.order)) if len(order) else rows
 
 
 def first_orders(cloth: Cloth) -> np.ndarray:
