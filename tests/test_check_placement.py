@@ -320,3 +320,22 @@ def test_a_seam_that_turns_the_cloth_over() -> None:
 def test_no_shipped_garment_is_one_sided(name: str) -> None:
     spec = read_spec(name)
     assert seams_turned_over(draft(spec, read_mannequin(spec.mannequin).measurements_mm)) == []
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_strap_that_is_sewn_on_turned_around(turned: bool) -> None:
+    """In front of the body, 40 mm wide, to be sewn on behind, where the band goes round: there distances tell nothing, its outer point is farther either way."""
+
+    def strap(data: dict[str, Any]) -> None:
+        back = data["panels"]["back"]
+        back["points"] |= {"i": [60, 200], "o": [100, 200]}
+        back["edges"][2:3] = [{"name": name, "from": p, "to": q} for name, p, q in (("side", "c", "o"), ("strap", "o", "i"), ("middle", "i", "d"))]
+        drawn = panel(0)
+        drawn["points"] = {"a": [0, 0], "b": [40, 0], "c": [40, 300], "d": [0, 300]}
+        drawn["placement"] = {"transform": {"translation": [-100, 500, 150]}}
+        data["panels"]["strap"] = drawn
+        ends = ["back.strap.i", "back.strap.o"] if turned else ["back.strap.o", "back.strap.i"]
+        data["seams"].append({"name": "on", "a": ["strap.top.d", "strap.top.c"], "b": ends})
+
+    found = [finding.key for finding in findings(strap) if finding.code == "seam-twisted"]
+    assert found == (["seams.on"] if turned else [])

@@ -137,13 +137,15 @@ def check_twists(pattern: Pattern, cloth: Cloth, positions: np.ndarray, file: st
 
 
 def _opposite(pattern: Pattern, cloth: Cloth, positions: np.ndarray, seam: Seam) -> bool:
-    """Whether both sides lie nearly straight and go opposite ways. Where they are short and far apart (the ends of a waistband) distances are nearly alike."""
+    """Whether both sides lie nearly straight and go opposite ways. Where they are short and far apart (the ends of a waistband, a strap and the band that it is
+    sewn to) distances are nearly alike: what counts is how far apart points are along the seam."""
     first_a, last_a, first_b, last_b = _at(pattern, cloth, positions, seam, 0.0, 1.0)
     ways = last_a - first_a, last_b - first_b
     lengths = [float(np.linalg.norm(way)) for way in ways]
     if any(length <= _STRAIGHT * MM_TO_M * side_length(pattern, side) for length, side in zip(lengths, (seam.a, seam.b))):
         return False  # of a ring, whose ends lie in one place, they say nothing
-    nearer = np.linalg.norm(first_a - last_b) < np.linalg.norm(first_a - first_b) and np.linalg.norm(last_a - first_b) < np.linalg.norm(last_a - last_b)
+    along = ways[0] / lengths[0]
+    nearer = abs((first_a - last_b) @ along) < abs((first_a - first_b) @ along) and abs((last_a - first_b) @ along) < abs((last_a - last_b) @ along)
     return bool(nearer and ways[0] @ ways[1] < _CROSSED * lengths[0] * lengths[1])
 
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from garmentcad.analysis.passing import STEP_M
 from garmentcad.analysis.section import Chain, Plane, cut, horizontal
 from garmentcad.check.body_part import HURTS_PA, BodyPart, body_parts
 from garmentcad.check.finding import Finding
@@ -29,6 +30,8 @@ _PULL_N_M = 490.3  # tension of a ring that is pulled over something, 500 gf/cm 
 _SLACK_M = 0.045  # a ring may come to lie higher or lower on the body than it was laid by this, and by what its seams stand open
 _ANGLES = 90  # directions between warp and weft that are told apart
 _LEAST_MM = 3.0
+_LIMBS = ("arm", "leg")
+_BESIDE_M = 0.2
 _LEAST_SPAN = np.radians(60.0)  # around a limb; the girth of a wrist, laid on the cylinder of its arm, spans 105 degrees
 
 
@@ -69,6 +72,8 @@ def check_wearing(
         slack = _SLACK_M + _open_along(part.axis, positions, worn[0].vertex_particle)
         rings, ringed = _rings(pattern, *worn, part)
         held |= ringed
+        if part.name.startswith(_LIMBS):
+            yield from _check_beside(pattern, *worn, part, file)
         if part.name == "torso":
             yield from check_falling(pattern, *worn, part, [(ring.level, ring.length_mm) for ring in rings], body, file)
             yield from check_belts(pattern, *worn, part, slack, file)
@@ -103,7 +108,7 @@ def _rings(pattern: Pattern, cloth: Cloth, positions: np.ndarray, part: BodyPart
     owner = cloth.vertex_panel[cloth.triangles[:, 0]]
     warp = np.stack([-np.sin(grain), np.cos(grain)], axis=1)[owner]
     rules = [pattern.panels[name].placement for name in cloth.panel_names]
-    limb = part.name.startswith(("arm", "leg"))
+    limb = part.name.startswith(_LIMBS)
     ringed = np.zeros(len(cloth.panel_names), dtype=bool)
     wrapped = np.array([isinstance(rule, Wrap) and rule.part == part.name for rule in rules])[owner]
 
@@ -140,6 +145,31 @@ def _rings(pattern: Pattern, cloth: Cloth, positions: np.ndarray, part: BodyPart
             ringed[owner[triangles]] = True
             found.append(ring(level, flat[triangles, (corners + 1) % 3] - flat[triangles, corners], triangles))
     return found, ringed
+
+
+def _check_beside(pattern: Pattern, cloth: Cloth, positions: np.ndarray, part: BodyPart, file: str | None) -> Iterator[Finding]:
+    """Tubes wrapped on a limb that, closed along a straight line from side to side, would leave the limb outside: all along, or over more than half of their
+    length and _BESIDE_M. A tube that is laid on the large cylinder of its limb spans little of it and closes beside the limb, or through it; a short sleeve
+    that does so at its hem (4 levels of 6 of the knit top on `man-100`) still finds its way around from where it goes around."""
+    owner = cloth.vertex_panel[cloth.triangles[:, 0]]
+    rules = [pattern.panels[name].placement for name in cloth.panel_names]
+    wrapped = np.array([isinstance(rule, Wrap) and rule.part == part.name for rule in rules])
+    beside, rings = np.zeros(len(rules)), np.zeros(len(rules))
+    for level in part.levels.tolist():
+        plane = Plane(part.axis, level)
+        for chain in cut(positions, cloth.particle_triangles, plane):
+            mine = np.unique(owner[chain.triangles])
+            if chain.closed and wrapped[mine].all() and chain.span_around(part.origin + (level - part.origin @ part.axis) * part.axis, plane) > _LEAST_SPAN:
+                rings[mine] += 1
+                beside[mine] += not chain.winds_around(part.middle(level), plane)
+    for panel in np.flatnonzero((rings > 0) & ((beside == rings) | ((2 * beside > rings) & (beside * STEP_M > _BESIDE_M)))):
+        name = cloth.panel_names[panel]
+        yield Finding(
+            "warning", "tube-beside-limb", file, f"panels.{name}.placement.wrap",
+            f"as {name} is laid, its seams close beside the {part.said} and not around it: it spans less of the cylinder on which it is wrapped than it "
+            "would have to",
+            "Wrap it closer to the limb, so that it goes more than half around: a scale below 1, a smaller offset, or a flare.",
+        )  # fmt: skip
 
 
 def openings(triangles: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
