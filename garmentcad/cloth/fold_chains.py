@@ -39,9 +39,10 @@ def fold_chains(
         for part in shapely.get_parts(shapely.intersection(line, polygon)):
             if part.length < _SAME_MM:
                 continue
-            touched = contour_mm[shapely.distance(shapely.points(contour_mm), part) < _SAME_MM]
-            marks = np.unique([0.0, part.length, *(part.project(shapely.Point(xy)) for xy in [*part.coords, *shapely.get_coordinates(met), *touched])])
+            marks = np.unique([0.0, part.length, *(part.project(shapely.Point(xy)) for xy in [*part.coords, *shapely.get_coordinates(met)])])
             marks = marks[np.append(True, np.diff(marks) > _SAME_MM)]
+            touched = part.project(shapely.points(contour_mm[shapely.distance(shapely.points(contour_mm), part) < _SAME_MM]))
+            marks = np.union1d(marks, [at for at in touched if np.abs(marks - at).min() > _SAME_MM])
             chain: list[int] = []
             for a, b in pairwise(marks):
                 if part.interpolate(0.5 * (a + b)).distance(polygon.boundary) < _SAME_MM:  # along the outline nothing folds
