@@ -118,7 +118,7 @@ def _print_result(report: dict, written: object, compile_s: float, total_s: floa
             print(f"  {path}")
         for note in written.notes:
             print(f"  {note}")
-    kinds = f"{compile_s:.1f} s of them compiling kernels (none the next time), {report['wall_time_s']['drape']:.1f} s drape"
+    kinds = f"{report['wall_time_s']['drape']:.1f} s of them drape, in all {compile_s:.1f} s compiling kernels (none the next time)"
     spent = f"{total_s:.1f} s from the command to the last file: {kinds}"
     print(spent)
 
