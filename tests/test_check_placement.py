@@ -324,7 +324,7 @@ def test_no_shipped_garment_is_one_sided(name: str) -> None:
 
 @pytest.mark.parametrize("turned", [False, True])
 def test_a_strap_that_is_sewn_on_turned_around(turned: bool) -> None:
-    """In front of the body, 40 mm wide, to be sewn on behind, where the band goes round: there distances tell nothing, its outer point is farther either way."""
+    """In front of the body, 40 mm wide, to be sewn on behind, where the band goes round: distances tell nothing, its outer point is farther either way."""
 
     def strap(data: dict[str, Any]) -> None:
         back = data["panels"]["back"]

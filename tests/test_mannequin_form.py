@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from garmentcad.analysis.passing import head_girth_mm
 from garmentcad.errors import MannequinError
 from garmentcad.io.mannequin_file import read_human
 from garmentcad.mannequin.make import make_mannequin
@@ -37,6 +38,8 @@ def test_form_is_a_closed_torso_with_the_girths_of_the_body(kind, bust, pads):
     for name in ("bust", "waist", "hip"):
         assert taped(form, name) == pytest.approx(body.measurements_mm[name], abs=0.5)
     assert form.vertices[:, 1].max() < body.landmarks["nape"][1] + 0.06
+    assert head_girth_mm(form) is None
+    assert head_girth_mm(body) is not None
     assert np.abs(form.vertices[:, 0]).max() < 1.25 * max(body.landmarks["shoulder_point_left"][0], body.landmarks["hip_left"][0])
     assert {"elbow_left", "wrist_right"}.isdisjoint(form.landmarks)
     assert {"top_arm", "arm_length"} <= set(form.estimated)
