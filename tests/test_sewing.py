@@ -60,6 +60,11 @@ def test_start_inside_the_body_or_through_another_panel_is_refused() -> None:
     crossing[second] = middle + np.column_stack([u, np.full_like(u, 1e-4), v])
     with pytest.raises(TangledError, match=" x "):
         refuse_tangled(flat, crossing, body)
+    with pytest.raises(TangledError, match=" x "):
+        refuse_tangled(flat, crossing, body, flat.panel_names[:1])
+    refuse_tangled(flat, crossing, body, flat.panel_names)  # both are worn already: how they hang is no matter of placement
+    with pytest.raises(TangledError, match=r"inside mannequin woman-88 \(" + flat.panel_names[0]):
+        refuse_tangled(flat, away + np.array([0.0, 1.0, -2.0]), body, flat.panel_names[1:])
 
 
 def test_a_seam_that_did_not_close_is_said_and_survives_a_checkpoint() -> None:

@@ -294,8 +294,9 @@ class _Run:
     def _placed_state(self, flat: Cloth, start: Cloth, sewing: int) -> State:
         """The panels of `flat` where they begin, for `start`, the same cloth with what is worn already sewn."""
         if self._placed is None:
-            self._placed = _placed(self.job, flat, start, self._worn(flat), self.warnings)
-            refuse_tangled(start, self._placed, self.job.mannequin)
+            worn = self._worn(flat)
+            self._placed = _placed(self.job, flat, start, worn, self.warnings)
+            refuse_tangled(start, self._placed, self.job.mannequin, worn)
             self.warnings = list(dict.fromkeys(self.warnings))  # a resumed run that places anew has said the same before
         jitter = np.random.default_rng([self.job.seed, sewing]).standard_normal(self._placed.shape)
         positions = self._placed + JITTER_M * jitter
@@ -320,6 +321,10 @@ class _Run:
             raise UnsewnError(outcome)
         if outcome.status != "converged":
             self.warnings.append(f"what is worn below ended as {outcome.status} before the outermost garment was put on")
+        finite = np.isfinite(outcome.state.positions).all()
+        crossing = len(crossing_triangle_pairs(outcome.state.positions, outcome.cloth.particle_triangles)) if finite else 0
+        if crossing:
+            self.warnings.append(f"what is worn below crossed itself in {crossing} pairs of triangles when the outermost garment was put on")
         self._worn_angles = dict(zip(outcome.flat.fold_names, outcome.state.fold_angles.tolist(), strict=True))
         return _hung(outcome)
 

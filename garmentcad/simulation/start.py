@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 import numpy as np
 
 from garmentcad.analysis.penetration import signed_distances
@@ -15,12 +17,13 @@ SHALLOW_M = 0.010
 LISTED = 5
 
 
-def refuse_tangled(cloth: Cloth, positions: np.ndarray, mannequin: Mannequin) -> None:
-    """TangledError naming the panels, the number of pairs and a remedy."""
+def refuse_tangled(cloth: Cloth, positions: np.ndarray, mannequin: Mannequin, worn: Collection[str] = ()) -> None:
+    """TangledError naming the panels, the number of pairs and a remedy. worn: panels that hang already; how they do is no matter of placement."""
     panels = np.asarray(cloth.panel_names)
+    hangs = np.isin(panels, list(worn))[cloth.vertex_panel]
     vertex_positions = positions[cloth.vertex_particle]
     depth = -signed_distances(vertex_positions, mannequin.vertices, mannequin.faces)
-    deep = depth > SHALLOW_M
+    deep = (depth > SHALLOW_M) & ~hangs
     if deep.any():
         named = [
             f"{name}: {int((deep & (cloth.vertex_panel == index)).sum())} points, {1e3 * float(depth[cloth.vertex_panel == index].max()):.0f} mm"
@@ -28,7 +31,7 @@ def refuse_tangled(cloth: Cloth, positions: np.ndarray, mannequin: Mannequin) ->
             if (deep & (cloth.vertex_panel == index)).any()
         ]
         raise TangledError(f"panels start inside mannequin {mannequin.name} ({'; '.join(named)}); enlarge the placement's offset or move it", key="panels")
-    pairs = crossing_triangle_pairs(positions, cloth.particle_triangles)
+    pairs = [pair for pair in crossing_triangle_pairs(positions, cloth.particle_triangles) if not hangs[cloth.triangles[pair, 0]].all()]
     if len(pairs):
         owner = panels[cloth.vertex_panel[cloth.triangles[:, 0]]]
         listed = ", ".join(sorted({" x ".join(sorted((str(owner[i]), str(owner[j])))) for i, j in pairs})[:LISTED])
