@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from garmentcad.analysis.seam_tension import SeamTension
+from garmentcad.cloth.state import State
 from garmentcad.io.mannequin_file import read_mannequin
 from garmentcad.simulation.job import make_job
 from garmentcad.simulation.record import _fallen, _of_sheets, _torn
@@ -22,9 +23,13 @@ def test_a_seam_that_is_pulled_beyond_its_strength_is_told(strength: float | Non
 
 
 def test_a_garment_below_the_floor_has_fallen() -> None:
-    body = read_mannequin("woman-88")
-    assert _fallen(np.array([[0.0, -0.3, 0.0], [0.0, 1.0, 0.0]]), body) == []
-    assert _fallen(np.array([[0.0, -6.653, 0.0], [0.0, 1.0, 0.0]]), body) == ["the garment fell off: it hangs down to 6653 mm below the floor"]
+    def told(lowest: float, **run: float) -> list[str]:
+        positions = np.array([[0.0, lowest, 0.0], [0.0, 1.0, 0.0]])
+        return _fallen(State(positions, np.zeros_like(positions), run=run), read_mannequin("woman-88"))
+
+    assert told(-0.3) == []
+    assert told(-6.653) == ["the garment fell off: it hangs down to 6653 mm below the floor"]
+    assert told(-0.3, fell=1.0) == ["the garment fell off: all of it is below the body, and the run ended there"]
 
 
 def test_what_a_sheet_lacks_is_told_by_its_own_name() -> None:
