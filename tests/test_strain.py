@@ -12,6 +12,7 @@ from hand_made import flat, materials, rectangles
 from garmentcad.analysis.maps import fabric_maps
 from garmentcad.analysis.strain import (
     bias_strain,
+    element_panels,
     of_limit_percent,
     particle_mean,
     share_over_limit_percent,
@@ -105,6 +106,16 @@ def test_panels_at_their_limit(strain: float, share: float, border: bool) -> Non
     table = materials()._replace(strain_limit=np.full((2, 2), 0.1))
     found = panels_at_limit(cloth, positions, table)
     assert found == ({"back": pytest.approx(share)} if share else {})
+
+
+@pytest.mark.parametrize("border", [False, True])
+def test_elements_on_a_seam_belong_to_one_panel(border: bool) -> None:
+    """Three rectangles sewn to a tube: their particles on a seam lie on two of them. A link along a seam is of either."""
+    cloth = rectangles(4, 3, 0.01, 3, sewn=True, border=border)
+    part = yarn_strain(cloth, np.zeros((cloth.particle_count, 3)), WEFT)
+    assert cloth.particle_count < len(cloth.vertex_panel)
+    wanted = cloth.vertex_panel[cloth.triangles[:, 0]] if border else np.repeat([0, 1, 2], 4 * 4)  # links go across, panel after panel
+    assert element_panels(cloth, part).tolist() == wanted.tolist()
 
 
 def test_a_band_narrower_than_a_cell_can_be_too_tight() -> None:

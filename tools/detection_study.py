@@ -25,7 +25,8 @@ from garmentcad.simulation.checkpoint import load_state
 from garmentcad.simulation.course import Course, Progress
 from garmentcad.simulation.job import Job
 from garmentcad.simulation.materials import lay_out
-from garmentcad.simulation.run import Interrupted, make_dynamics, run
+from garmentcad.simulation.run import Interrupted, run
+from garmentcad.simulation.stepper import make_dynamics
 
 PAGE = Path(__file__).resolve().parent.parent / "docs" / "studies" / "detection.md"
 CASES = ("cloth-on-ball", "t-shirt", "flared-skirt")

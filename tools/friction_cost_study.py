@@ -19,7 +19,8 @@ from garmentcad.cloth.state import State
 from garmentcad.fabric.material import MaterialTable, without_friction
 from garmentcad.io.atomic import write_atomic
 from garmentcad.simulation.job import make_job
-from garmentcad.simulation.run import Outcome, make_dynamics, run
+from garmentcad.simulation.run import Outcome, run
+from garmentcad.simulation.stepper import make_dynamics
 from tools.study import FOLDER
 
 GARMENTS = (("t-shirt", "wool-suiting"), ("t-shirt", "interlock-knit"), ("flared-skirt", "cotton-shirting"), ("straight-skirt", "denim"))

@@ -8,7 +8,7 @@ from garmentcad.analysis.strain import YarnStrain, element_panels, share_of_limi
 from garmentcad.cloth.cloth import WARP, WEFT, Cloth
 from garmentcad.fabric.material import MaterialTable
 
-AT_LIMIT, MANY_AT_LIMIT = 0.95, 0.01
+AT_LIMIT, MANY_AT_LIMIT = 0.95, 0.01  # of the strain limit, and of a panel's area: estimates
 
 
 def tension_n_m(strain: np.ndarray, material: np.ndarray, materials: MaterialTable, direction: int) -> np.ndarray:

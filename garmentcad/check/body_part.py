@@ -19,7 +19,8 @@ _ABOVE_ANKLE_M, _NECK_M, _BELOW_NECK_M = 0.02, 0.10, 0.15  # below the neck lies
 
 class BodyPart(NamedTuple):
     """A part of the body that rings go around, the neck with the head. levels (N,) m along `axis`, taped girths (N,) mm there; passed (N,) mm: what a ring at
-    each level has to pass; by: what that is; top (3,) m: its highest point; vertices (V,3) m and faces (F,3) of its surface."""
+    each level has to pass; by: what that is; top (3,) m: its highest point; middles (N,3) m: of the
+    body where a plane at each level cuts the part, of its axis where none does."""
 
     name: str
     origin: np.ndarray
@@ -29,23 +30,13 @@ class BodyPart(NamedTuple):
     passed: np.ndarray
     by: str
     top: np.ndarray
-    vertices: np.ndarray
-    faces: np.ndarray
+    middles: np.ndarray
 
     @property
     def said(self) -> str:
         """Its name in messages."""
         name, _, side = self.name.partition("_")
         return f"{side} {name}" if side else {"torso": "trunk"}.get(name, name)
-
-    def middle(self, level: float) -> np.ndarray:
-        """Middle (3,) m of the body where a plane at a level cuts the part; of its axis where it does not."""
-        sections = cut(self.vertices, self.faces, Plane(self.axis, level))
-        if not sections:
-            return np.asarray(self.origin + (level - self.origin @ self.axis) * self.axis)
-        points = max(sections, key=Chain.length).points
-        steps = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1)
-        return np.asarray(np.average(points, axis=0, weights=steps + np.roll(steps, 1)))
 
     def girths_near(self, level: float, reach: float) -> np.ndarray:
         """Girths, mm, at most `reach` m away from a level along the part; none where the part is not."""
@@ -83,5 +74,15 @@ def body_parts(body: Mannequin) -> tuple[BodyPart, ...]:
             passed, by = np.full(len(levels), head_girth_mm(body) or 0.0), "head"
         elif name.startswith("arm"):
             passed, by = np.maximum(from_below, hand_girth_mm(body, name[4:]) or 0.0), "hand or the arm"
-        found.append(BodyPart(name, cylinder.origin, cylinder.up, levels, girths, passed, by, points[np.argmax(points[:, 1])], body.vertices, faces))
+        middles = np.array([_middle(body.vertices, faces, Plane(cylinder.up, level), cylinder.origin) for level in levels.tolist()]).reshape(-1, 3)
+        found.append(BodyPart(name, cylinder.origin, cylinder.up, levels, girths, passed, by, points[np.argmax(points[:, 1])], middles))
     return tuple(found)
+
+
+def _middle(vertices: np.ndarray, faces: np.ndarray, plane: Plane, origin: np.ndarray) -> np.ndarray:
+    sections = cut(vertices, faces, plane)
+    if not sections:
+        return np.asarray(origin + (plane.offset - origin @ plane.normal) * plane.normal)
+    points = max(sections, key=Chain.length).points
+    steps = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1)
+    return np.asarray(np.average(points, axis=0, weights=steps + np.roll(steps, 1)))

@@ -26,16 +26,14 @@ def located(cloth: Cloth, panel: int, points_mm: np.ndarray) -> Located:
     """Points (N,2), panel mm, on the triangles of a panel. A point beside the chords of a curved contour continues the nearest triangle."""
     triangles = cloth.triangles[cloth.vertex_panel[cloth.triangles[:, 0]] == panel]
     corners = cloth.vertex_uv_mm[triangles]
-    tree, rows = cKDTree(corners.mean(axis=1)), np.arange(len(points_mm))
-    found, held = np.zeros(len(points_mm), dtype=np.int64), np.empty((len(points_mm), 3))
-    for count in (min(_NEAREST, len(triangles)), len(triangles)):  # all of them where those are smaller than the one that holds the point
-        near = tree.query(points_mm[rows], k=count)[1].reshape(len(rows), -1)
-        weights = _barycentric(points_mm[rows][:, None, :], corners[near])
-        best = np.argmax(weights.min(axis=2), axis=1)
-        found[rows], held[rows] = near[np.arange(len(rows)), best], weights[np.arange(len(rows)), best]
-        rows = np.flatnonzero(held.min(axis=1) < -_BESIDE)
-        if len(rows) == 0:
-            break
+    near = cKDTree(corners.mean(axis=1)).query(points_mm, k=min(_NEAREST, len(triangles)))[1].reshape(len(points_mm), -1)
+    weights = _barycentric(points_mm[:, None, :], corners[near])
+    best, rows = np.argmax(weights.min(axis=2), axis=1), np.arange(len(points_mm))
+    found, held = near[rows, best], weights[rows, best]
+    for k in np.flatnonzero(held.min(axis=1) < -_BESIDE).tolist():  # a long triangle holds it, whose middle lies farther than those of many small ones
+        every = _barycentric(points_mm[k], corners)
+        found[k] = np.argmax(every.min(axis=1))
+        held[k] = every[found[k]]
     return Located(triangles[found], held)
 
 
@@ -59,7 +57,7 @@ def anchors(cloth: Cloth, panel: str, points_mm: np.ndarray) -> Anchors:
 
 
 def _barycentric(points: np.ndarray, corners: np.ndarray) -> np.ndarray:
-    """Weights (N,K,3) of points (N,1,2) in triangles (N,K,3,2)."""
+    """Weights (...,3) of points (...,2) in triangles (...,3,2), broadcast against each other."""
     a, b, c = corners[..., 0, :], corners[..., 1, :], corners[..., 2, :]
     ab, ac, ap = b - a, c - a, points - a
     area = ab[..., 0] * ac[..., 1] - ab[..., 1] * ac[..., 0]

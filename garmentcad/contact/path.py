@@ -50,7 +50,7 @@ class BodyPath:
             speed = float(np.linalg.norm(self._rate(k), axis=1).max(initial=0.0))
             if speed > FASTEST_M_S:
                 when = f"between {self._times[k]:g} and {self._times[k + 1]:g} s"
-                raise InputError(f"the body goes {speed:.3g} m/s {when}; at most {FASTEST_M_S:g} m/s are allowed")
+                raise InputError(f"the body goes {speed:.4g} m/s {when}; at most {FASTEST_M_S:g} m/s are allowed")
 
     @property
     def vertex_count(self) -> int:

@@ -12,8 +12,9 @@ from garmentcad.cloth.state import State
 from garmentcad.contact.path import BodyPath
 from garmentcad.mannequin.motion import KeyFrame, motion
 from garmentcad.simulation.course import AIR_DRAG, Progress, advance_or_retreat
-from garmentcad.simulation.run import Outcome, make_dynamics
+from garmentcad.simulation.run import Outcome
 from garmentcad.simulation.sewing import hold
+from garmentcad.simulation.stepper import make_dynamics
 from garmentcad.solve.dynamics import STEPS_PER_ESTIMATE, DivergedError, IntersectingError
 from garmentcad.solve.hardware import hardware_rows, pin_rows
 

@@ -22,17 +22,9 @@ from garmentcad.cloth.lattice import build_cloth
 from garmentcad.cloth.state import State
 from garmentcad.cloth.weld import weld, weld_seams
 from garmentcad.constraints.points import PointRows
-from garmentcad.contact.contact import Contact
-from garmentcad.contact.path import BodyPath
 from garmentcad.errors import CheckpointError, GarmentError, LimitError
 from garmentcad.fabric.material import MaterialTable, without_friction
 from garmentcad.forces.assembly import ForceAssembly
-from garmentcad.forces.band import ForceBand
-from garmentcad.forces.band_lines import band_segments
-from garmentcad.forces.button import ForceButton
-from garmentcad.forces.force import Force
-from garmentcad.forces.gravity import ForceGravity
-from garmentcad.forces.internal import internal_forces, soften
 from garmentcad.geometry.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.outfit import below
@@ -41,18 +33,18 @@ from garmentcad.pattern.runs import side_length
 from garmentcad.placement.outside import around_worn
 from garmentcad.placement.place import place_vertices
 from garmentcad.simulation.checkpoint import load_state, save_state
-from garmentcad.simulation.course import CLOSING_OVER_N_M, CLOSING_PULL_N_M, SOFTNESS, STANDS, Course, Progress
+from garmentcad.simulation.course import CLOSING_OVER_N_M, CLOSING_PULL_N_M, STANDS, Course, Progress
 from garmentcad.simulation.job import Job
 from garmentcad.simulation.materials import lay_out
 from garmentcad.simulation.mend import off_body, turned_out
 from garmentcad.simulation.pressing import imposed_angles, laid_angles, press, under_iron
 from garmentcad.simulation.refine import refined, refined_sliders
 from garmentcad.simulation.resume import refuse_course, refuse_memory, refuse_shape
-from garmentcad.simulation.sewing import SEWING, Welding, close_seams, held_from_the_start, hold, open_gaps, weld_state
+from garmentcad.simulation.sewing import SEWING, Welding, close_seams, held_from_the_start, hold, open_mm, weld_state
 from garmentcad.simulation.start import refuse_tangled
+from garmentcad.simulation.stepper import make_dynamics
 from garmentcad.solve.dynamics import DivergedError, Dynamics, IntersectingError
-from garmentcad.solve.hardware import button_shanks, hardware_rows, pin_rows, redundance_message, redundances
-from garmentcad.solve.strain_limit import strain_limit
+from garmentcad.solve.hardware import hardware_rows, pin_rows, redundance_message, redundances
 from garmentcad.units import M_TO_MM, MM_TO_M
 
 JITTER_M = 1e-5  # of the start, so that no fold is decided by round-off
@@ -274,7 +266,7 @@ class _Run:
         if failed is not None:
             self.warnings.append(str(failed))
             if np.isfinite(self.state.positions).all():
-                self.state.run |= open_gaps(start, self.state.positions).as_run()
+                self.state.run |= Welding(open_mm(start, self.state.positions)).as_run()
             return self._broken_off(flat, start, failed.status)
         if welding.open_seams and out_of_time:
             self.state.run |= welding.as_run()
@@ -411,37 +403,6 @@ def _refined_state(before: tuple[Cloth, ForceAssembly], state: State, after: tup
     made = State(positions, velocities, state.time_s, state.step, phase="fall", friction=friction, run=run, fold_angles=state.fold_angles, said=state.said)
     made.work_j, made.constraint_speeds, made.constraint_forces = dict(state.work_j), state.constraint_speeds, state.constraint_forces
     return made
-
-
-def make_dynamics(
-    job: Job, cloth: Cloth, materials: MaterialTable, fold_angles: np.ndarray, dressing: bool = False, path: BodyPath | None = None
-) -> tuple[Dynamics, Callable[[float], None]]:
-    """The stepper, and what gives its forces another softness; buttons are softer yet, because the shank of one that has just closed stands aslant, and would
-    tear at the cloth below until it lies the other way up.
-
-    dressing: while seams are sewn and folds pressed there are no bands, no pull of buttons, no weight and no friction, so that cloth slides to where seams
-    close, and shear goes by chords: cloth that is bent as sharply as on its way there is beyond what arcs describe, and a fitted dress of GarmentCode did not
-    close. path: of a body that moves.
-    """
-    touch = materials
-    if dressing:
-        touch = materials._replace(friction_body=0.0 * materials.friction_body, friction_cloth=0.0 * materials.friction_cloth)
-    contact = Contact(cloth, touch, (job.mannequin.vertices, job.mannequin.faces), path=path)  # first: nothing needs as much memory while it is made
-    weight = [] if dressing else [ForceGravity(cloth.masses)]
-    pulls: list[Force] = []
-    if job.pattern.bands and not dressing:
-        pulls.append(ForceBand(band_segments(job.pattern, cloth)))
-    buttons = [ForceButton(button_shanks(job.pattern, cloth, materials))] if job.pattern.buttons and not dressing else []
-    forces = ForceAssembly([*internal_forces(cloth, materials, fold_angles=fold_angles, arcs=not dressing), *pulls, *buttons], cloth.particle_count, weight)
-
-    def soften_all(softness: float) -> None:
-        soften(forces.forces, cloth, materials, softness)
-        for button in buttons:
-            button.soften(softness**2)
-
-    if dressing and job.mode == "drape":
-        soften_all(SOFTNESS)
-    return Dynamics(cloth, forces, strain_limit(cloth, materials), contact), soften_all
 
 
 def _placed(job: Job, cloth: Cloth, start: Cloth, worn: dict[str, np.ndarray], warnings: list[str]) -> np.ndarray:

@@ -98,18 +98,17 @@ def close_seams(
         welding = _close(dynamics, state, rows_where(hardware, held <= now), np.flatnonzero(order <= now), late, look, (pull_n_m * cloth.spacing, until_s))
         if state.time_s >= until_s:
             # Seams whose turn has not come stand open, too.
-            a, b = (state.positions[cloth.stitches[order > now, side]] for side in (0, 1))
-            names = [cloth.seam_names[k] for k in cloth.stitch_seam[order > now]]
-            return replace(welding, gap_mm={**welding.gap_mm, **_worst_mm(names, np.linalg.norm(a - b, axis=1))})
+            return replace(welding, gap_mm={**welding.gap_mm, **open_mm(cloth, state.positions, order > now)})
         if all_or_none and welding.open_seams:
             return welding
     return welding
 
 
-def open_gaps(cloth: Cloth, positions: np.ndarray) -> Welding:
-    """The seams of a cloth that could not be sewn, as they stand at positions (P,3) m."""
-    a, b = (positions[cloth.stitches[:, side]] for side in (0, 1))
-    return Welding(_worst_mm([cloth.seam_names[k] for k in cloth.stitch_seam], np.linalg.norm(a - b, axis=1)))
+def open_mm(cloth: Cloth, positions: np.ndarray, chosen: np.ndarray | None = None) -> dict[str, float]:
+    """How far the seams of a cloth stand open at positions (P,3) m: the widest stitch of each, mm, of the chosen (S,) bool, or of all."""
+    rows = slice(None) if chosen is None else chosen
+    a, b = (positions[cloth.stitches[rows, side]] for side in (0, 1))
+    return _worst_mm([cloth.seam_names[k] for k in cloth.stitch_seam[rows]], np.linalg.norm(a - b, axis=1))
 
 
 def held_from_the_start(rows: PointRows, cloth: Cloth, panels: Collection[str]) -> PointRows:
