@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from copy import deepcopy
 
 import numpy as np
 import pytest
@@ -19,7 +20,7 @@ from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
 from garmentcad.forces.time_step import SmallMotion
 from garmentcad.solve.dynamics import SAFETY, Dynamics
-from garmentcad.solve.inertia import MOST_LIGHTER, REACH, light_across, root_eased, slopes
+from garmentcad.solve.inertia import MOST_LIGHTER, REACH, light_across, normals_at, root_eased, slopes, turned
 from garmentcad.solve.rest import patches, residual
 from garmentcad.solve.strain_limit import strain_limit
 
@@ -41,6 +42,7 @@ def test_normals_and_slopes_of_a_cylinder() -> None:
     cloth, radius = strip(), 0.05
     positions = bent(cloth, radius)
     normals, steepest = np.empty_like(positions), np.empty(len(positions))
+    normals_at(cloth.particle_triangles, positions, normals)
     slopes(cloth.particle_triangles, positions, normals, steepest)
     u, v = cloth.vertex_uv_mm.T
     inner = (u > 25.0) & (u < 175.0) & (v > 15.0) & (v < 25.0)
@@ -151,3 +153,63 @@ def test_shape_at_rest_does_not_depend_on_inertia_but_light_cloth_is_there_soone
     assert heavy < -0.03
     assert light == pytest.approx(heavy, abs=2e-6)
     assert fewer < 0.95 * steps
+
+
+def about_y(angle: float) -> np.ndarray:
+    return np.array([[math.cos(angle), 0.0, math.sin(angle)], [0.0, 1.0, 0.0], [-math.sin(angle), 0.0, math.cos(angle)]])
+
+
+def test_how_far_light_cloth_has_turned() -> None:
+    """At most for what is lightest, and not at all for what keeps its mass."""
+    cloth = strip()
+    flat = np.column_stack([cloth.vertex_uv_mm * 1e-3, np.zeros(cloth.particle_count)])
+    limp = np.where(cloth.vertex_uv_mm[:, 0] > 100.0, 80.0, 0.0)
+    across = light_across(cloth.particle_triangles, flat, limp)
+    assert turned(cloth.particle_triangles, flat, across) == pytest.approx(0.0, abs=1e-12)
+    assert turned(cloth.particle_triangles, flat + 0.3, across) == pytest.approx(0.0, abs=1e-12)
+    assert turned(cloth.particle_triangles, flat @ about_y(0.1).T, across) == pytest.approx((80.0 * REACH**2 - 1.0) * math.sin(0.1) ** 2)
+
+
+def spinning(spin: float) -> tuple[Dynamics, State]:
+    """A strip that turns about its middle at so many rad/s, light across itself, in a run that looks at its stiffness seldom: it never changes."""
+    cloth = strip()
+    u, v = cloth.vertex_uv_mm.T * 1e-3
+    flat = np.column_stack([u - 0.1, v, np.zeros(len(u))])
+    state = State(flat, np.cross([0.0, spin, 0.0], flat) + 1e-4 * np.random.default_rng(0).standard_normal(flat.shape))
+    dynamics = stepper(cloth)
+    dynamics.start(state)
+    return dynamics, state
+
+
+def stepper(cloth: Cloth) -> Dynamics:
+    forces = ForceAssembly(internal_forces(cloth, MATERIALS), cloth.particle_count)
+    dynamics = Dynamics(cloth, forces, strain_limit(cloth, MATERIALS), Contact(cloth, MATERIALS))
+    dynamics.equalise = dynamics.lighten = dynamics.measured = dynamics.steady = True
+    dynamics.speed_cap_m_s = 5.0
+    return dynamics
+
+
+def test_light_cloth_that_turns_does_not_ring() -> None:
+    """What is light across the cloth would be light along it when it has turned, where it is stiff, and fly to and fro at the speed cap."""
+    dynamics, state = spinning(10.0)
+    fastest, way = 0.0, 0.0
+    for _ in range(24):
+        dynamics.advance(state, 96)
+        with dynamics.true_masses(state):
+            assert not dynamics.across.any()
+        fastest = max(fastest, float(np.linalg.norm(state.velocities, axis=1).max()))
+        way = max(way, turned(dynamics.cloth.particle_triangles, state.positions, dynamics.across))
+    rim = state.positions[dynamics.cloth.vertex_uv_mm[:, 0] == 200.0].mean(axis=0)
+    assert math.degrees(math.atan2(-rim[2], rim[0])) > 30.0
+    assert fastest < 1.0, "no faster than the ends began"
+    assert 0.0 < way < 0.16
+
+
+def test_a_resumed_run_turns_light_cloth_alike() -> None:
+    dynamics, state = spinning(2.0)
+    while state.step >= state.contact["stiff_wait"][1] or np.array_equal(state.contact["light_home"], state.contact["stiff_home"]):
+        dynamics.advance(state, 96)
+    read = deepcopy(state)
+    for run, moved in ((dynamics, state), (stepper(dynamics.cloth), read)):
+        run.advance(moved, 96)
+    assert read.sha256() == state.sha256()

@@ -73,7 +73,7 @@ def refuse_memory(state: State, dynamics: Dynamics) -> None:
     wanted |= {f"pair_{name}": array for name, array in pairs._asdict().items()}
     wanted |= {"pair_home": state.positions, "pair_covered": np.zeros(1), "pair_path": np.zeros(1), "body_pace": np.zeros(4)}
     wanted |= {"stiff_home": state.positions, "stiff_key": np.zeros(6), "stiff_wait": np.zeros(2), "stiff_touching": np.zeros(count, bool)}
-    wanted |= {"stiff_held": state.positions, "stiff_weight": np.ones(count), "cuts_in_row": np.zeros(1)}
+    wanted |= {"light_home": state.positions, "stiff_held": state.positions, "stiff_weight": np.ones(count), "cuts_in_row": np.zeros(1)}
     for name, like in wanted.items():
         _refuse_unlike(f"contact.{name}", kept.get(name), like)
     if "settle_drag" in kept:

@@ -24,7 +24,7 @@ from garmentcad.forces.internal import BINS, acting, law_arguments, lay_out_part
 from garmentcad.forces.lattice import lattice_block
 from garmentcad.forces.time_step import SAFETY, SmallMotion
 from garmentcad.kernel_cache import compile_beside
-from garmentcad.solve.inertia import light_across, root_eased
+from garmentcad.solve.inertia import light_across, root_eased, turned
 from garmentcad.solve.steps import CUT, DONE, LOOK, MOST_CUTS, RUNAWAY, TORN, TORN_LENGTH, Controls, advance_velocities, run_steps
 from garmentcad.solve.stiff_parts import StiffParts, reaches, stages_for, step_of, stiff_particles
 from garmentcad.solve.strain_limit import StrainLimit
@@ -36,6 +36,9 @@ STEPS_PER_ESTIMATE = 96
 _STILL, _STILL_STEADY = 5e-3, 2e-2
 # Steady motion whose time step has changed by less than this is looked at half as often, at most so many steps apart.
 _SAME, _LONGEST_WAIT = 0.02, 8.0 * STEPS_PER_ESTIMATE
+# Light cloth turns with its normals as they are now before it would be moved along itself by this share more than its step allows for, and at least after so
+# many steps. Damped as cloth is within itself, a step of SAFETY bears 0.16. Garments show at most 0.06, a cloth that bends without friction 2.8.
+_TURNED, _FEWEST_STEPS = 0.1, 12
 # Other motion of true masses is looked at every time, but its frequency, which costs twenty times as much as its bound, is measured anew only where the bound
 # has changed by more than this, or after that wait.
 _ALIKE = 0.03
@@ -94,6 +97,7 @@ class Dynamics:
         self.drag: float | np.ndarray = 0.0
         self._drag = np.zeros(cloth.particle_count)
         self.across = np.zeros((cloth.particle_count, 3))
+        self._limp: np.ndarray | None = None  # how many times as stiff each particle is in all as across the cloth, where it is to be light
         self.speed_cap_m_s = math.inf
         self.step_factor = self.softness = 1.0
         self.constraint: ConstraintPoints | None = None
@@ -157,12 +161,14 @@ class Dynamics:
         known = home is not None and np.array_equal(key, state.contact["stiff_key"])
         if known and home is not self._estimated_at:
             self._estimate_at_home(state)  # a resumed run, or other particles held: what was estimated there is not known here
+            self._lighten(state.contact["light_home"])
         fresh = home is None or not known or self._moved_on(state, home)
         if home is None:
             state.contact |= {"stiff_held": np.zeros_like(state.positions), "stiff_weight": np.ones(len(state.positions)), "cuts_in_row": np.zeros(1)}
         if fresh:
             before = state.time_step_s
             state.contact |= {"stiff_home": state.positions.copy(), "stiff_key": key, "stiff_touching": self.contact.touching(state)}
+            state.contact["light_home"] = state.contact["stiff_home"]
             self._estimate_at_home(state)
             same = known and abs(state.time_step_s - before) < _SAME * before
             wait = min(2.0 * float(state.contact["stiff_wait"][0]), _LONGEST_WAIT) if same else float(STEPS_PER_ESTIMATE)
@@ -205,12 +211,12 @@ class Dynamics:
         smallest = float(own.min(initial=np.inf))
         if not np.isfinite(smallest):
             smallest = 1e-3
-        self.across[:] = 0.0
+        self.across[:], self._limp = 0.0, None
         if equalise and self.lighten:
             home, across = state.contact["stiff_home"], np.empty_like(self._stiffness)
             self.forces.stiffness_across(home, across)
-            limp = np.where(self.fixed | state.contact["stiff_touching"], 0.0, self._stiffness / np.maximum(across, 1e-30))
-            self.across[:] = light_across(self.cloth.particle_triangles, home, limp)
+            self._limp = np.where(self.fixed | state.contact["stiff_touching"], 0.0, self._stiffness / np.maximum(across, 1e-30))
+            self._lighten(home)
         wanted, inverse_masses = smallest, self.true_inverse_masses
         if equalise and moving.any():
             wanted = float(np.median(own[moving]))
@@ -232,6 +238,25 @@ class Dynamics:
         self._expect_stiff(stiff, stages)
         state.contact["stiff_weight"][~stiff] = 1.0
         self._set_step(state, self.step_factor * wanted, inverse_masses)
+
+    def _lighten(self, positions: np.ndarray) -> None:
+        """Let cloth that is to be light be so across itself as it lies there (P,3)."""
+        if self._limp is not None:
+            self.across[:] = light_across(self.cloth.particle_triangles, positions, self._limp)
+
+    def _follow_turns(self, state: State, steps: int) -> int:
+        """For how many of the next steps light cloth may keep the normals that it has, which are those of now where it would not for so many."""
+        if self._limp is None or self._turned(state, steps) <= _TURNED:
+            return steps
+        state.contact["light_home"] = state.positions.copy()
+        self._lighten(state.positions)
+        while steps > _FEWEST_STEPS and self._turned(state, steps) > _TURNED:
+            steps //= 2
+        return steps
+
+    def _turned(self, state: State, steps: int) -> float:
+        """How far light cloth will have turned after so many steps with the velocities of now (inertia.py)."""
+        return turned(self.cloth.particle_triangles, state.positions + steps * state.time_step_s * state.velocities, self.across)
 
     def _measured_step(self, about: SmallMotion, inverse_masses: np.ndarray, otherwise: float) -> float:
         """The step that the highest frequency allows to what moves, s; otherwise: where nothing does."""
@@ -265,13 +290,13 @@ class Dynamics:
         if not self.equalise:
             yield
             return
-        own, across = (state.time_step_s, self.inverse_masses), self.across.copy()
+        own, across, limp = (state.time_step_s, self.inverse_masses), self.across.copy(), self._limp
         self._choose_step(state, False, False)
         try:
             yield
         finally:
             self._set_step(state, *own)
-            self.across[:] = across
+            self.across[:], self._limp = across, limp
 
     @contextmanager
     def loaded(self) -> Iterator[None]:
@@ -291,7 +316,7 @@ class Dynamics:
         end = state.step + steps
         while state.step < end:
             self.estimate_time_step(state)
-            count = min(STEPS_PER_ESTIMATE, end - state.step)
+            count = self._follow_turns(state, min(STEPS_PER_ESTIMATE, end - state.step))
             self.contact.place(state, count * state.time_step_s)
             with threads_apart():
                 self._stretch(state, count)
