@@ -12,7 +12,7 @@ import pytest
 
 from garmentcad.cloth.state import State
 from garmentcad.errors import CheckpointError
-from garmentcad.simulation import run
+from garmentcad.simulation import keeper, run
 from garmentcad.simulation.checkpoint import load_state, save_state
 from garmentcad.simulation.course import Progress
 from garmentcad.simulation.job import Job, make_job
@@ -117,7 +117,7 @@ def begun(tmp_path_factory: pytest.TempPathFactory) -> tuple[Job, Path]:
             raise Stopped
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(run, "CHECKPOINT_EVERY_S", 0.0)
+        patch.setattr(keeper, "CHECKPOINT_EVERY_S", 0.0)
         with pytest.raises(Stopped):
             run.run(job, look, path)
     with pytest.raises(Stopped):

@@ -14,7 +14,6 @@ import pytest
 import trimesh
 
 import garmentcad.simulation.movement as moving
-import garmentcad.simulation.run as running
 from garmentcad.arrays import floats, indices
 from garmentcad.check.hardware import check_hardware
 from garmentcad.cloth.lattice import build_cloth, rectangle_cloth
@@ -33,6 +32,8 @@ from garmentcad.pattern.draft import draft
 from garmentcad.pattern.outfit import below, put_on
 from garmentcad.pattern.parse import parse_spec
 from garmentcad.placement.place import place_vertices
+from garmentcad.simulation import keeper
+from garmentcad.simulation import run as running
 from garmentcad.simulation.checkpoint import load_state
 from garmentcad.simulation.job import Job
 from garmentcad.simulation.materials import lay_out
@@ -446,7 +447,7 @@ def test_same_bits_for_two_threads_and_after_a_checkpoint(tmp_path: Path, monkey
     """At 20 mm with 40 mm before it, so that states go through weld, and from lattice to lattice."""
     monkeypatch.setattr(running, "COARSEST_MM", 40.0)
     monkeypatch.setattr(running, "FEWEST_CELLS", 1.0)
-    monkeypatch.setattr(running, "CHECKPOINT_EVERY_S", 0.0)
+    monkeypatch.setattr(keeper, "CHECKPOINT_EVERY_S", 0.0)
     made = job(everything, max_time_s=1.8)
     found = []
     for threads in (1, 2):

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import signal
+from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -13,14 +16,15 @@ from garment_band import BAND, band_spec
 from garmentcad.check.examine import examine
 from garmentcad.cloth.lattice import build_cloth
 from garmentcad.cloth.weld import weld, weld_seams
-from garmentcad.errors import GarmentError, InputError
-from garmentcad.export.drape import drape
+from garmentcad.errors import CheckpointError, FileError, GarmentError, InputError, TangledError
+from garmentcad.export.drape import drape, finish
 from garmentcad.io.outfit_file import read_worn
 from garmentcad.io.shipped import shipped_file
 from garmentcad.pattern.outfit import OutfitSpec, below
-from garmentcad.simulation import run
-from garmentcad.simulation.course import CLOSING_OVER_N_M, CLOSING_PULL_N_M
-from garmentcad.simulation.job import make_job
+from garmentcad.simulation import keeper, run
+from garmentcad.simulation.checkpoint import load_state
+from garmentcad.simulation.course import CLOSING_OVER_N_M, CLOSING_PULL_N_M, Progress
+from garmentcad.simulation.job import Job, make_job
 from garmentcad.simulation.materials import lay_out
 from garmentcad.simulation.sewing import Welding, close_seams
 
@@ -115,6 +119,93 @@ def test_nothing_is_put_on_over_what_was_not_sewn(folder: Path) -> None:
     assert [warning for warning in report["warnings"] if "worn below" in warning] == [
         "what is worn below ended as max_time before its seams were closed; the outermost garment was only placed"
     ]
+
+
+class Stopped(Exception):
+    pass
+
+
+def broken_off(job: Job, path: Path, killed: Iterator[bool]) -> None:
+    """A run that is killed at one of its looks; the one before is in its checkpoint."""
+
+    def look(progress: Progress) -> None:
+        if next(killed):
+            raise Stopped
+
+    with pytest.raises(Stopped):
+        run.run(job, look, path)
+
+
+def test_an_outfit_goes_on_from_where_what_is_worn_below_was_broken_off(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(keeper, "CHECKPOINT_EVERY_S", 0.0)
+    job, path = make_job(folder / "outfit.yaml", grid_mm=30.0, max_time_s=3.0), tmp_path / "checkpoint.npz"
+    looks: list[Progress] = []
+    whole = run.run(job, looks.append)
+    below = [first.step > second.step for first, second in pairwise(looks)].index(True) + 1
+    assert [look.step for look in looks[below:]] == sorted(look.step for look in looks[below:]), "the band, then the belt over it"
+    for seen in (below // 2, below, below + 5):
+        broken_off(job, path, iter([False] * seen + [True]))
+        again: list[Progress] = []
+        outcome = run.run(job, again.append, path, resume=True)
+        assert [(look.phase, look.step) for look in again] == [(look.phase, look.step) for look in looks[-len(again) :]]
+        assert len(looks) - seen <= len(again) <= len(looks) - seen + 1, "while seams close, a run looks before its first steps, too"
+        assert outcome.state.sha256() == whole.state.sha256()
+        assert outcome.warnings == whole.warnings
+    other = make_job(folder / "outfit.yaml", grid_mm=30.0, seed=1)
+    with pytest.raises(CheckpointError, match=r"another run .seed: 0 there, 1 here"):
+        run.run(other, lambda progress: None, path, resume=True)
+
+
+def test_where_a_finer_lattice_was_begun_anew_what_is_worn_below_goes_on_there(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The lattice of the job alone, though the checkpoint says nothing but what is worn below."""
+    monkeypatch.setattr(keeper, "CHECKPOINT_EVERY_S", 0.0)
+    monkeypatch.setattr(run, "grids_of", lambda job: (30.0,) if len(job.worn) > 1 else (job.grid_mm,))
+    job, path = make_job(folder / "outfit.yaml", grid_mm=24.0, max_time_s=3.0), tmp_path / "checkpoint.npz"
+    broken_off(run._worn_below(job, 24.0), path, iter([False, False, True]))
+    assert run._saved(job, path) == ((24.0,), None)
+    broken_off(run._worn_below(job, 30.0), path, iter([False, False, True]))
+    assert run._saved(job, path) == ((30.0,), None)
+
+
+def test_ctrl_c_after_the_last_look_below_stops_the_outfit(folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    job, path = make_job(folder / "outfit.yaml", grid_mm=30.0, max_time_s=3.0), tmp_path / "checkpoint.npz"
+    looks: list[Progress] = []
+    measured = run.panels_at_limit
+
+    def pressed(*given: Any) -> dict[str, float]:
+        signal.raise_signal(signal.SIGINT)
+        return measured(*given)
+
+    monkeypatch.setattr(run, "panels_at_limit", pressed)
+    with pytest.raises(keeper.Interrupted, match=r"--resume goes on from .*checkpoint"):
+        run.run(job, looks.append, path)
+    assert [look.phase for look in looks[-2:]] == ["rest", "close"], "it stops at the first look of the belt"
+    assert load_state(path, job.identity).phase == "close"
+
+
+def test_a_folder_that_cannot_be_written_is_told_before_anything_is_draped(folder: Path) -> None:
+    job, looks = make_job(folder / "outfit.yaml", grid_mm=30.0), []
+    (folder / "file").write_text("")
+    with pytest.raises(FileError, match="cannot be the folder of a result"):
+        finish(job, looks.append, folder / "file" / "result")
+    assert looks == []
+
+
+def test_an_older_result_stays_until_the_outermost_garment_is_accepted(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    job, result = make_job(folder / "outfit.yaml", grid_mm=30.0), folder / "result"
+    result.mkdir()
+    (result / "report.json").write_text("{}")
+    looks: list[Progress] = []
+
+    def refuse(*given: Any) -> None:
+        if given[-1]:
+            raise TangledError("a belt that crosses itself")
+
+    monkeypatch.setattr(run, "refuse_tangled", refuse)
+    with pytest.raises(TangledError):
+        finish(job, looks.append, result)
+    assert looks
+    assert (result / "report.json").read_text() == "{}"
 
 
 def _hit(eye: np.ndarray, place: np.ndarray, triangles: np.ndarray) -> float:

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from garmentcad.simulation.run import _stop_signal
+from garmentcad.simulation.keeper import stop_signal
 
 GRID = "20"
 
@@ -106,7 +106,7 @@ def test_stopped_and_resumed_ends_in_the_same_bits(draped: tuple[Path, dict], tm
 def test_ctrl_c_stays_with_a_program_that_handles_it_without_python(monkeypatch: pytest.MonkeyPatch) -> None:
     before = signal.getsignal(signal.SIGINT)
     monkeypatch.setattr(signal, "getsignal", lambda number: None)
-    with _stop_signal() as stopped:
+    with stop_signal() as stopped:
         assert signal.signal(signal.SIGINT, before) is before
     assert not stopped
 

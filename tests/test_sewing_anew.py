@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.state import State
-from garmentcad.simulation import run
+from garmentcad.simulation import keeper, run
 from garmentcad.simulation.course import Progress
 from garmentcad.simulation.job import Job, make_job
 from garmentcad.simulation.run import JITTER_M, SEWINGS
@@ -117,7 +117,7 @@ def test_the_second_one_is_resumed_as_the_second(monkeypatch: pytest.MonkeyPatch
 
     job, path = skirt(), tmp_path / "state.npz"
     monkeypatch.setattr(run, "close_seams", Sewing(1))
-    monkeypatch.setattr(run, "CHECKPOINT_EVERY_S", 0.0)
+    monkeypatch.setattr(keeper, "CHECKPOINT_EVERY_S", 0.0)
     with pytest.raises(KeyboardInterrupt):
         run.run(job, stop, path)
     resumed = Sewing(0)

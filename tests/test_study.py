@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from garmentcad.errors import FileError, InputError
-from garmentcad.simulation.run import Interrupted
+from garmentcad.simulation.keeper import Interrupted
 from garmentcad.simulation.study import StudyCase, read_rows, run_study, study_table, write_study_table
 
 

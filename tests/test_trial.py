@@ -30,7 +30,7 @@ from garmentcad.regression.junit import write_junit
 from garmentcad.regression.remake import UnfitBaselineError, remake
 from garmentcad.regression.trial import job_of, prepare, run_trial
 from garmentcad.simulation.job import Job
-from garmentcad.simulation.run import Interrupted
+from garmentcad.simulation.keeper import Interrupted
 
 ROOT = Path(__file__).resolve().parent.parent
 CLOTH = rectangles(30, 20, 0.02, 2, sewn=True)
@@ -213,7 +213,7 @@ def test_failed_drapes_of_one_name_are_both_kept(drapes: Fake, tmp_path: Path) -
 PLAYED = """\
 import os
 from garmentcad.regression import trial
-from garmentcad.simulation.run import Interrupted
+from garmentcad.simulation.keeper import Interrupted
 
 def run_trial(read, folder):
     print("kept in", folder)

@@ -24,8 +24,9 @@ from garmentcad.contact.pairs import NEARLY, distances
 from garmentcad.simulation.checkpoint import load_state
 from garmentcad.simulation.course import Course, Progress
 from garmentcad.simulation.job import Job
+from garmentcad.simulation.keeper import Interrupted
 from garmentcad.simulation.materials import lay_out
-from garmentcad.simulation.run import Interrupted, run
+from garmentcad.simulation.run import run
 from garmentcad.simulation.stepper import make_dynamics
 
 PAGE = Path(__file__).resolve().parent.parent / "docs" / "studies" / "detection.md"

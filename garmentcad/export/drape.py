@@ -20,7 +20,7 @@ from garmentcad.simulation.course import Progress
 from garmentcad.simulation.job import Job, make_job
 from garmentcad.simulation.movement import move
 from garmentcad.simulation.record import record
-from garmentcad.simulation.run import run
+from garmentcad.simulation.run import Outcome, run
 
 
 def drape(
@@ -55,19 +55,25 @@ def finish(job: Job, look: Callable[[Progress], None], folder: Path | None, resu
     whole. A movement that was broken off begins anew. FileError where another process is draping into the folder.
     """
     with ExitStack() as held:
+        reserved: list[Path] = []
 
-        def begin() -> None:
-            if folder is not None:
+        def reserve() -> None:
+            if folder is not None and not reserved:
                 make_folder(folder)
                 held.enter_context(held_folder(folder))
+                reserved.append(folder)
+
+        def begin() -> None:
+            reserve()
+            for folder in reserved:
                 clear_folder(folder, movement=True)
 
-        return _finish(job, look, folder, resume, begin)
+        checkpoint = None if folder is None else folder / CHECKPOINT
+        return _written(run(job, look, checkpoint, resume, begin, reserve), look, folder)
 
 
-def _finish(job: Job, look: Callable[[Progress], None], folder: Path | None, resume: bool, begin: Callable[[], None]) -> tuple[Result, WrittenFolder | None]:
-    checkpoint = None if folder is None else folder / CHECKPOINT
-    outcome = run(job, look, checkpoint, resume, begin)
+def _written(outcome: Outcome, look: Callable[[Progress], None], folder: Path | None) -> tuple[Result, WrittenFolder | None]:
+    job = outcome.job
     made, measures = record(outcome)
     report = build_report(made, measures)
     files: list[Path] = []
@@ -80,9 +86,9 @@ def _finish(job: Job, look: Callable[[Progress], None], folder: Path | None, res
     elif job.poses:
         report["warnings"].append(f"the garment did not come to rest clean ({made.status}): the movement was left out")
     result = Result(report, outcome.cloth, outcome.state, measures.maps, job.mannequin)
-    if folder is None or checkpoint is None:
+    if folder is None:
         return result, None
     written = write_result_folder(folder, result, job.identity)
     written = WrittenFolder(written.folder, (*files, *written.files), (*notes, *written.notes))
-    checkpoint.unlink(missing_ok=True)
+    (folder / CHECKPOINT).unlink(missing_ok=True)
     return result, written

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import math
-import signal
-import threading
 import time
-from collections.abc import Callable, Collection, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Collection
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from types import FrameType
 
 import numpy as np
 from shapely.geometry import Polygon
@@ -32,9 +29,10 @@ from garmentcad.pattern.pattern import Panel, Pattern
 from garmentcad.pattern.runs import side_length
 from garmentcad.placement.outside import around_worn
 from garmentcad.placement.place import place_vertices
-from garmentcad.simulation.checkpoint import load_state, save_state
+from garmentcad.simulation.checkpoint import load_state
 from garmentcad.simulation.course import CLOSING_OVER_N_M, CLOSING_PULL_N_M, STANDS, Course, Progress
 from garmentcad.simulation.job import Job
+from garmentcad.simulation.keeper import Keeper, stop_signal
 from garmentcad.simulation.materials import lay_out
 from garmentcad.simulation.mend import off_body, turned_out
 from garmentcad.simulation.pressing import imposed_angles, laid_angles, press, under_iron
@@ -49,7 +47,6 @@ from garmentcad.units import M_TO_MM, MM_TO_M
 
 JITTER_M = 1e-5  # of the start, so that no fold is decided by round-off
 MAX_PARTICLES = 1_000_000
-CHECKPOINT_EVERY_S = 5.0
 COARSEST_MM = 25.0
 # Coarse spacings along the side of a square as large as the largest panel. An estimate: a disc of 240 mm over a pedestal has 7 folds at 10 mm, in both modes,
 # and 4 where it falls at 20 mm (docs/studies/agreement.md).
@@ -65,11 +62,6 @@ UNREFINED = "unrefined"  # in State.run: the garment was sewn on the lattice of 
 # Cloth may be caught between seams that close around it: the tip of one leg of trousers lay under that of the other and held both inseams 4 mm open, in one
 # start of five that differ by JITTER_M. What does not close is placed anew, with another jitter, so many times in all: then it is a matter of the pattern.
 SEWINGS = 2
-
-
-class Interrupted(KeyboardInterrupt):
-    """The user stopped the run; the checkpoint named in the message continues it. No GarmentError: who goes on with the next garment where one fails must not
-    go on where Ctrl-C was pressed."""
 
 
 @dataclass
@@ -122,29 +114,61 @@ def _area_mm2(panel: Panel) -> float:
     return float(Polygon(np.vstack([edge.curve.polyline(1.0)[:-1] for edge in panel.edges])).area)
 
 
-def run(job: Job, look: Callable[[Progress], None], checkpoint: Path | None = None, resume: bool = False, begin: Callable[[], None] = lambda: None) -> Outcome:
+def run(
+    job: Job,
+    look: Callable[[Progress], None],
+    checkpoint: Path | None = None,
+    resume: bool = False,
+    begin: Callable[[], None] = lambda: None,
+    reserve: Callable[[], None] = lambda: None,
+) -> Outcome:
     """Drape. `look` is told of the progress about every 200 steps. checkpoint: file kept up to date; resume: go on from it; begin: called once, when job,
-    start and checkpoint are accepted, before anything is written.
+    start and checkpoint are accepted, before anything but the checkpoint is written; reserve: called before anything at all is, more than once and sooner in
+    an outfit, whose outermost garment can only be placed when what is worn below has been draped.
 
     InputError for a job that cannot start, Interrupted (after saving) on Ctrl-C.
     """
-    state = load_state(checkpoint, job.identity) if resume and checkpoint is not None else None
-    grids = (job.grid_mm,) if state is not None and UNREFINED in state.run else grids_of(job)
-    with _stop_signal() as stopped:
-        keep = _Keeper(job, checkpoint, look, stopped, begin)
-        made = _Run(job, keep, state)
-        try:
-            if state is not None:
-                refuse_course(state, len(grids))
-            return made.drape(grids)
-        except CheckpointError as error:
-            raise CheckpointError(error.message, file=str(checkpoint)) from None
-        except RefinementError as error:
-            # Rare: folds lie so close that finer triangles cross. The full lattice from the start costs more, and crosses nothing.
-            anew = _Run(job, keep, None)
-            anew.began, anew.setup, anew.seconds = made.began, made.setup, made.seconds
-            anew.warnings.append(str(error))
-            return anew.drape((job.grid_mm,))
+    with stop_signal() as stopped:
+        return _drape(Keeper(job, checkpoint, look, stopped, begin, reserve), resume)
+
+
+def _drape(keep: Keeper, resume: bool) -> Outcome:
+    """Drape the job of `keep`; resume: go on from its checkpoint, which may be one of what is worn below."""
+    job, grids, state = keep.job, grids_of(keep.job), None
+    if resume and keep.path is not None:
+        grids, state = _saved(job, keep.path)
+    made = _Run(job, keep, state, resume and state is None)
+    try:
+        if state is not None:
+            refuse_course(state, len(grids))
+        return made.drape(grids)
+    except CheckpointError as error:
+        raise CheckpointError(error.message, file=str(keep.path)) from None
+    except RefinementError as error:
+        # Rare: folds lie so close that finer triangles cross. The full lattice from the start costs more, and crosses nothing.
+        anew = _Run(job, keep, None)
+        anew.began, anew.setup, anew.seconds = made.began, made.setup, made.seconds
+        anew.warnings.append(str(error))
+        return anew.drape((job.grid_mm,))
+
+
+def _saved(job: Job, path: Path) -> tuple[tuple[float, ...], State | None]:
+    """The lattices of the run that `path` goes on with, and its State; None where that is one of what is worn below. CheckpointError for another run."""
+    try:
+        state = load_state(path, job.identity)
+    except CheckpointError:
+        ways = (grids_of(job), (job.grid_mm,)) if len(job.worn) > 1 else ()
+        for grids in ways:
+            with suppress(CheckpointError):
+                _saved(_worn_below(job, grids[0]), path)
+                return grids, None
+        raise
+    return (job.grid_mm,) if UNREFINED in state.run else grids_of(job), state
+
+
+def _worn_below(job: Job, grid_mm: float) -> Job:
+    """What is worn under the outermost garment of an outfit, draped by itself."""
+    return replace(job, pattern=below(job.pattern), worn=job.worn[:-1], grid_mm=grid_mm, poses=())
 
 
 class RefinementError(GarmentError):
@@ -162,10 +186,10 @@ class UnsewnError(GarmentError):
 class _Run:
     """The levels of one run, from the coarsest lattice, which is placed and sewn, to that of the job."""
 
-    def __init__(self, job: Job, keep: _Keeper, state: State | None) -> None:
+    def __init__(self, job: Job, keep: Keeper, state: State | None, resume_below: bool = False) -> None:
         check_size(job)
         self.began = time.perf_counter()
-        self.job, self.keep, self.state = job, keep, state
+        self.job, self.keep, self.state, self._resume_below = job, keep, state, resume_below
         self.materials, self._material_of = lay_out(job)
         self.seconds: dict[str, float] = {}
         self.warnings = [] if state is None else list(state.said)
@@ -305,8 +329,7 @@ class _Run:
         UnsewnError where that ends before it is sewn: where a seam is open, one place would stand for two."""
         if len(self.job.worn) < 2:
             return {}
-        inner = replace(self.job, pattern=below(self.job.pattern), worn=self.job.worn[:-1], grid_mm=M_TO_MM * flat.spacing, poses=())
-        outcome = run(inner, self.keep.watch)
+        outcome = _drape(self.keep.below(_worn_below(self.job, M_TO_MM * flat.spacing)), self._resume_below)
         self.warnings += outcome.warnings
         self._add_up(outcome.seconds)
         if outcome.state.phase == "close":
@@ -435,44 +458,3 @@ def _with_worn(positions: np.ndarray, cloth: Cloth, worn: dict[str, np.ndarray])
     for panel, hung in worn.items():
         positions[cloth.vertex_panel == cloth.panel_names.index(panel)] = hung
     return positions
-
-
-class _Keeper:
-    """Passes progress on, keeps the checkpoint fresh, and stops the run where the user asked for it: between two looks, where the State is whole."""
-
-    def __init__(self, job: Job, path: Path | None, look: Callable[[Progress], None], stopped: list[int], begin: Callable[[], None]) -> None:
-        self.watch, self.begin = look, begin
-        self._job, self._path, self._stopped = job, path, stopped
-        self._saved = -math.inf  # the first look saves: whatever stops the run later, it can be resumed
-        self.state: State | None = None
-
-    def __call__(self, progress: Progress) -> None:
-        self.watch(progress)
-        due = time.perf_counter() - self._saved > CHECKPOINT_EVERY_S
-        if self._path is not None and self.state is not None and (due or self._stopped):
-            save_state(self._path, self.state, self._job.identity)
-            self._saved = time.perf_counter()
-        if self._stopped:
-            raise Interrupted(f"stopped at step {progress.step}" + (f"; --resume goes on from {self._path}" if self._path is not None else ""))
-
-
-@contextmanager
-def _stop_signal() -> Iterator[list[int]]:
-    """Ctrl-C sets a flag instead of tearing a step apart; a second one stops at once. Outside the main thread signals are left alone, and in a program that
-    handles them without Python: what it has set could not be put back."""
-    stopped: list[int] = []
-
-    def note(number: int, frame: FrameType | None) -> None:
-        if stopped:
-            raise KeyboardInterrupt
-        stopped.append(number)
-
-    before = signal.getsignal(signal.SIGINT)
-    if before is None or threading.current_thread() is not threading.main_thread():
-        yield stopped
-        return
-    signal.signal(signal.SIGINT, note)
-    try:
-        yield stopped
-    finally:
-        signal.signal(signal.SIGINT, before)
