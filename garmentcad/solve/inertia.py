@@ -73,7 +73,8 @@ def turned(triangles: np.ndarray, positions: np.ndarray, across: np.ndarray) -> 
     """Largest (u - 1) sin^2 a of the particles at positions (P,3) m; across: sqrt(u - 1) n (P,3) of a moment ago."""
     normals = np.empty_like(positions)
     normals_at(triangles, positions, normals)
-    return float((np.cross(across, normals) ** 2).sum(axis=1).max(initial=0.0))
+    along = np.einsum("pc,pc->p", across, normals)
+    return float((np.einsum("pc,pc->p", across, across) - along**2).max(initial=0.0))
 
 
 def root_eased(vectors: np.ndarray, across: np.ndarray) -> np.ndarray:
