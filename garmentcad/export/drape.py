@@ -54,22 +54,31 @@ def finish(job: Job, look: Callable[[Progress], None], folder: Path | None, resu
     An older result in `folder` stays until nothing can refuse the job any more. The checkpoint is kept while the run lasts and removed when the folder is
     whole. A movement that was broken off begins anew. FileError where another process is draping into the folder.
     """
+    reserved = begun = False
     with ExitStack() as held:
-        reserved: list[Path] = []
 
         def reserve() -> None:
+            nonlocal reserved
             if folder is not None and not reserved:
                 make_folder(folder)
                 held.enter_context(held_folder(folder))
-                reserved.append(folder)
+                reserved = True
 
         def begin() -> None:
+            nonlocal begun
             reserve()
-            for folder in reserved:
+            if folder is not None:
                 clear_folder(folder, movement=True)
+            begun = True
 
         checkpoint = None if folder is None else folder / CHECKPOINT
-        return _written(run(job, look, checkpoint, resume, begin, reserve), look, folder)
+        try:
+            outcome = run(job, look, checkpoint, resume, begin, reserve)
+        except InputError:
+            if checkpoint is not None and reserved and not begun:
+                checkpoint.unlink(missing_ok=True)  # of what is worn below; what goes over it was refused, and would be again
+            raise
+        return _written(outcome, look, folder)
 
 
 def _written(outcome: Outcome, look: Callable[[Progress], None], folder: Path | None) -> tuple[Result, WrittenFolder | None]:

@@ -37,7 +37,8 @@ _STILL, _STILL_STEADY = 5e-3, 2e-2
 # Steady motion whose time step has changed by less than this is looked at half as often, at most so many steps apart.
 _SAME, _LONGEST_WAIT = 0.02, 8.0 * STEPS_PER_ESTIMATE
 # Light cloth turns with its normals as they are now before it would be moved along itself by this share more than its step allows for, and at least after so
-# many steps. Damped as cloth is within itself, a step of SAFETY bears 0.16. Garments show at most 0.06, a cloth that bends without friction 2.8.
+# many steps. Damped as cloth is within itself, a step of SAFETY bears 0.16. Of 144 drapes of the wardrobe 123 never pass it; a fold that snaps came to 1.6,
+# cloth without friction to 2.8.
 _TURNED, _FEWEST_STEPS = 0.1, 12
 # Other motion of true masses is looked at every time, but its frequency, which costs twenty times as much as its bound, is measured anew only where the bound
 # has changed by more than this, or after that wait.
