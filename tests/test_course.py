@@ -15,7 +15,7 @@ from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
 from garmentcad.simulation import course as course_module
-from garmentcad.simulation.course import SMALLEST_STEP_FACTOR, STANDS, Course, Progress
+from garmentcad.simulation.course import FALL_S, LOOSE_SOFTNESS, SMALLEST_STEP_FACTOR, SOFTNESS, STANDS, STEPS_PER_LOOK, Course, Progress
 from garmentcad.solve.dynamics import DivergedError, Dynamics
 from garmentcad.solve.rest import Residual, patches
 from garmentcad.solve.strain_limit import strain_limit
@@ -53,6 +53,31 @@ def test_a_step_that_is_too_large_is_found_and_halved_until_it_holds() -> None:
     assert np.abs(state.positions - hanging(CLOTH)).max() < 5e-3
     assert looked == sorted(looked)
     assert len(set(looked)) == len(looked)  # a stretch that was undone is not told
+
+
+@pytest.mark.parametrize(("loose", "coarse_s", "softness"), [(False, 1.0, SOFTNESS), (True, FALL_S, LOOSE_SOFTNESS)])
+def test_on_a_finer_lattice_cloth_falls_softly_for_half_a_second(loose: bool, coarse_s: float, softness: float) -> None:
+    """Sewn cloth leaves the coarse lattice while it is soft, loose cloth once its tension is back there."""
+    made, state = course(1.0, 9.0, "drape")
+    heard: list[float] = []
+    coarse, fine = (Course(made.dynamics, heard.append, "drape", 9.0, loose, last) for last in (False, True))
+    assert coarse.run(state, lambda progress: None) == "converged"
+    look_s = 1.01 * STEPS_PER_LOOK * state.time_step_s
+    assert coarse_s <= state.time_s < coarse_s + look_s
+    assert heard[0] == softness
+    assert (heard[-1] < 1.5) == loose
+    began, state.phase = state.time_s, "fall"
+    heard.clear()
+
+    def look(progress: Progress) -> None:
+        if progress.phase == "settle":
+            raise StopIteration
+
+    with pytest.raises(StopIteration):
+        fine.run(state, look)
+    assert FALL_S - 1.0 - look_s < state.time_s - began < FALL_S - 1.0 + look_s
+    assert (heard[:1] == [softness]) == loose
+    assert heard[-1] < 1.5
 
 
 def test_no_retreat_where_the_step_is_right() -> None:
