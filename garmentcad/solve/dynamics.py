@@ -105,7 +105,7 @@ class Dynamics:
         self.seconds = {"steps": 0.0, "detection": 0.0, "stiffness": 0.0}
         self.mean_square_speed = 0.0
         self._parts = lay_out_parts(forces.forces)
-        self._deal = self._parts.deal(np.ones(len(self._parts.kind), dtype=bool))
+        self._deal, self._no_deal = (self._parts.deal(np.full(len(self._parts.kind), chosen)) for chosen in (True, False))
         self._expect_stiff(np.zeros(cloth.particle_count, dtype=bool), 1)
         self._stiffness = np.zeros(cloth.particle_count)
         self._clock, self._out = np.zeros(5), np.zeros((CHUNKS, 2))
@@ -273,9 +273,9 @@ class Dynamics:
 
     def _expect_stiff(self, particles: np.ndarray, stages: int) -> None:
         """From now on the forces on the particles (P,) bool are taken in so many stages."""
-        acting = self._parts.around(particles & (stages > 1))
+        deal = self._parts.deal(self._parts.around(particles)) if stages > 1 else self._no_deal
         chosen = indices(np.flatnonzero(particles))
-        self._stiff = self._parts.deal(acting), chosen, np.array(reaches(stages)), np.zeros((2, len(chosen), 3))
+        self._stiff = deal, chosen, np.array(reaches(stages)), np.zeros((2, len(chosen), 3))
 
     def _set_step(self, state: State, time_step_s: float, inverse_masses: np.ndarray) -> None:
         self.set_inverse_masses(inverse_masses)
