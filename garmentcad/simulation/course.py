@@ -38,9 +38,10 @@ CLOSING_DRAG = 12.0  # 1/s
 CLOSING_CAP_S = 4.0
 FALL_DRAG = 3.0
 FALL_S = 1.5
-COARSE_FALL_S = 1.0  # of it on coarse lattices; small folds form on the fine one, while tension is soft and they pass each other
-# Cloth that nothing is sewn to falls to the end on a coarse lattice, where its large folds snap into place at an eighth of the cost, and on the finer one for
-# what COARSE_FALL_S leaves of it once more: W1 at 10 mm then settled from six starts after 11,300 to 15,900 steps; otherwise after up to 34,900.
+# Of it on coarse lattices; small folds form on the fine one, while tension is soft and they pass each other. Cloth that nothing is sewn to falls to the end on
+# a coarse one, where its large folds snap into place at an eighth of the cost, and then on the finer one for what this leaves once more: W1 at 10 mm settled
+# from six starts after 11,300 to 15,900 steps so; otherwise after up to 34,900.
+COARSE_FALL_S = 1.0
 # While seams close and cloth falls, tension is softened: the time step grows by the root of it, and the shape that counts is found afterwards at
 # true stiffness.
 SOFTNESS = 8.0
@@ -135,7 +136,7 @@ class Course:
 
     soften(softness): divides tension of its forces by another softness. max_time_s: cap on simulated time.
     loose: whether nothing is sewn, so that cloth falls softer and faster in mode 'drape'. last: whether this is the lattice of the job; on a coarser one the
-    course is over when most of the fall is. buttoned: whether the garment has buttons; tied: whether it has buttons, belts or elastics.
+    course is over when most of the fall is, of loose cloth all of it. buttoned: whether the garment has buttons; tied: buttons, belts or elastics.
     mode: 'drape' (equalised masses, damping of fall and settle) or 'dynamics' (true masses, light damping).
     """
 
