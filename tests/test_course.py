@@ -67,6 +67,7 @@ def test_on_a_finer_lattice_cloth_falls_softly_for_half_a_second(loose: bool, co
     assert heard[0] == softness
     assert (heard[-1] < 1.5) == loose
     began, state.phase = state.time_s, "fall"
+    made.dynamics.softness = 1.0  # as of the new one that the finer lattice has
     heard.clear()
 
     def look(progress: Progress) -> None:
@@ -76,7 +77,7 @@ def test_on_a_finer_lattice_cloth_falls_softly_for_half_a_second(loose: bool, co
     with pytest.raises(StopIteration):
         fine.run(state, look)
     assert FALL_S - 1.0 - look_s < state.time_s - began < FALL_S - 1.0 + look_s
-    assert (heard[:1] == [softness]) == loose
+    assert heard[0] == softness
     assert heard[-1] < 1.5
 
 
