@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from copy import deepcopy
+from dataclasses import replace
 
 import igl
 import numpy as np
@@ -58,6 +59,26 @@ def test_sheet_on_a_needle_and_on_a_sharp_edge() -> None:
             if step % 100 == 99:
                 assert not crosses_body(state.positions, sheet.cloth.particle_triangles, vertices, faces)
         assert state.positions[:, 1].min() < top - 0.01
+
+
+def test_on_sharp_features_each_panel_has_its_own_friction() -> None:
+    """Two sheets lie along the ridge of a box and slide there, held by its edge alone: each slows down by its own friction."""
+    box = trimesh.creation.box(extents=(0.4, 0.06, 0.06))
+    box.apply_transform(trimesh.transformations.rotation_matrix(np.pi / 4, [1, 0, 0]))
+    top, own = 0.03 * np.sqrt(2.0), (0.1, 0.5)
+    sheet = Sheet(4, panels=2)
+    panel = sheet.cloth.vertex_panel[sheet.cloth.triangles[:, 0]]
+    table = fabric()._replace(friction_body=np.array(own))
+    contact = Contact(replace(sheet.cloth, triangle_material=panel), table, (np.asarray(box.vertices), np.asarray(box.faces)), itself=False)
+    state = sheet.state(sheet.at(0.0, top + ELEMENT_GAP, 0.0047))
+    contact.start(state)
+    state.velocities[:] = [1.0, -1e-3, 0.0]
+    correct(state, 1e-3, contact)
+    for number, friction in enumerate(own):
+        mine = sheet.cloth.vertex_panel[np.argsort(sheet.cloth.vertex_particle)] == number
+        before, after = np.array([1.0, -1e-3, 0.0]), (sheet.cloth.masses[mine, None] * state.velocities[mine]).sum(axis=0) / sheet.cloth.masses[mine].sum()
+        assert after[1] > -0.9e-3
+        assert (before - after)[0] == pytest.approx(friction * (after - before)[1], rel=1e-3)
 
 
 def test_no_particle_comes_nearer_than_its_gap_between_looks() -> None:

@@ -283,8 +283,8 @@ class Contact:
         if self._body is not None:
             sides = 1.0 if self._path is None else 2.0
             pierced, crossed, outside = self._body.pairs(self._elements, positions, ELEMENT_GAP + sides * way_m)
-            still = self.nodes - self.count
-            friction = np.concatenate([self._body_friction, np.full(still, self._body_friction.mean())])
+            # A pair takes the mean of its elements: twice the cloth's and none of the body's is the cloth's own.
+            friction = np.concatenate([2.0 * self._body_friction, np.zeros(self.nodes - self.count)])
             parts.append(make_pairs(pierced, crossed, np.full(self.nodes, ELEMENT_GAP), friction)._replace(outside=outside))
             moving.append(np.full(len(parts[-1].nodes), sides))
         found = joined(*parts) if parts else self._no_pairs()
