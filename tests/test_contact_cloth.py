@@ -254,6 +254,44 @@ def test_what_does_not_meet_is_let_pass() -> None:
     assert time_of_contact(VERTEX_TRIANGLE, nodes, away, 2 * falling, 1.0, 1e-3) == pytest.approx(0.999 / 1.8, abs=1e-4)
 
 
+def layers(*heights: float) -> tuple[Sheet, np.ndarray, np.ndarray]:
+    """Level sheets one above the other: all of them, where their particles are, and the sheet of each."""
+    sheet = Sheet(3, panels=len(heights))
+    panel = sheet.cloth.vertex_panel[np.argsort(sheet.cloth.vertex_particle)]
+    corner = np.array([sheet.positions[panel == k].min(axis=0) for k in range(len(heights))])
+    positions = sheet.positions - corner[panel]
+    positions[:, 1] = np.array(heights)[panel]
+    positions[:, [0, 2]] += 0.0013 * panel[:, None]
+    return sheet, positions, panel
+
+
+def test_what_is_pressed_together_with_all_might_does_not_pass() -> None:
+    """Both sheets follow their clamps at 1 m/s, and no impulse moves them: steps are cut, down to nothing before round-off hides which side is which."""
+    sheet, positions, panel = layers(0.0, 2e-3)
+    contact, state = Contact(sheet.cloth, fabric(), inverse_masses=np.zeros(len(panel))), sheet.state(positions)
+    contact.start(state)
+    for step in range(60):
+        state.velocities[:] = 0.0
+        state.velocities[panel == 1, 1] = -1.0
+        part = correct(state, 1e-4, contact)
+        state.positions += part * 1e-4 * state.velocities
+        assert state.positions[panel == 1, 1].min() > 1e-9
+    assert part == 0.0
+    assert not crosses(state.positions, sheet.cloth.particle_triangles)
+    state.velocities[panel == 1, 1] = 1.0
+    assert correct(state, 1e-4, contact) == 1.0  # and comes free
+
+
+def test_what_stands_too_close_is_kept_apart_though_it_leaves_by_itself() -> None:
+    """A sheet rises from one that is held, half a gap below it, and another falls upon it: it does not go down again."""
+    sheet, positions, panel = layers(0.0, 0.5e-3, 1.6e-3)
+    contact, state = Contact(sheet.cloth, fabric(0.0), inverse_masses=np.array([0.0, 1.0, 1.0])[panel]), sheet.state(positions)
+    contact.start(state)
+    state.velocities[:, 1] = np.array([0.0, 10.0, -10.0])[panel]
+    assert correct(state, 1e-4, contact) == 1.0
+    assert state.velocities[panel == 1, 1].min() > 0.0
+
+
 SCRIPT = """
 import numpy as np, trimesh
 from loose_sheet import Sheet, fabric

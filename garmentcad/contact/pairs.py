@@ -29,6 +29,8 @@ _ROUNDS = 20  # of the fail-safe, at most
 _GENTLE_ROUNDS = 12  # of them with impulses along the normal; then colliding nodes move as one
 _ADVANCES = 64  # of the continuous test, at most
 KEPT = 0.2  # share of its distance that a pair keeps within a step, whatever happens
+# Below this distance, m, it keeps all but so much of it: else step after step would bring it down to round-off, where nobody can tell its sides apart.
+LEAST_ROOM, _LOST_THERE = 1e-8, 1e-4
 _PARALLEL = 0.05  # sine below which the common normal of two edges says nothing
 _SIDEWAYS = 0.1  # cosine to the pseudo-normal of a body below which a normal is neither inward nor outward
 
@@ -153,7 +155,8 @@ def _stand_range(span, pairs, path, motion, surface, stand):  # type: ignore[no-
         for axis in range(3):
             stand.normal[n, axis] = normal[axis]
         stand.distance[n] = distance
-        stand.active[n] = distance + time_step * closing < NEARLY * pairs.gap[n]
+        # One below its gap is solved whatever its own velocities are: those of its neighbours' impulses may be others.
+        stand.active[n] = distance < pairs.gap[n] or distance + time_step * closing < NEARLY * pairs.gap[n]
         pairs.due[n] = path if stand.active[n] else path + spare
 
 
@@ -244,10 +247,14 @@ def time_of_contact(kind, nodes, positions, velocities, time_step, kept):  # typ
 
 @kernel
 def _collide(n, pairs, stand, motion):  # type: ignore[no-untyped-def]
-    """Part of the step after which pair n would lose most of its distance; 2 if it keeps it."""
+    """Part of the step after which pair n would lose most of its distance, 0 where it has none left to lose; 2 if it keeps it."""
     positions, velocities, _, time_step = motion
-    kept = KEPT * min(stand.distance[n], pairs.gap[n])
-    return time_of_contact(pairs.kind[n], row4(pairs.nodes, n), positions, velocities, time_step, kept)
+    distance, nodes = stand.distance[n], row4(pairs.nodes, n)
+    if distance < LEAST_ROOM:
+        p, q, r, s = four(velocities, nodes)
+        if time_step * dot(combined(row4(stand.weights, n), p, q, r, s), row(stand.normal, n)) < -_LOST_THERE * distance:
+            return 0.0
+    return time_of_contact(pairs.kind[n], nodes, positions, velocities, time_step, KEPT * min(distance, pairs.gap[n]))
 
 
 @kernel
