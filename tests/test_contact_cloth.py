@@ -270,7 +270,7 @@ def test_what_is_pressed_together_with_all_might_does_not_pass() -> None:
     sheet, positions, panel = layers(0.0, 2e-3)
     contact, state = Contact(sheet.cloth, fabric(), inverse_masses=np.zeros(len(panel))), sheet.state(positions)
     contact.start(state)
-    for step in range(60):
+    for _ in range(60):
         state.velocities[:] = 0.0
         state.velocities[panel == 1, 1] = -1.0
         part = correct(state, 1e-4, contact)

@@ -54,6 +54,20 @@ def test_internal_friction_is_carried_as_moment_and_stress() -> None:
         np.testing.assert_allclose(drawn, expected, atol=1e-9)
 
 
+def test_on_the_same_lattice_every_element_finds_itself() -> None:
+    """Each stick spring drawn otherwise: found by corners instead of middles, a cell took its friction from a triangle at its corner."""
+    forces = ForceAssembly(internal_forces(COARSE, MATERIALS), COARSE.particle_count)
+    here = np.column_stack([COARSE.vertex_uv_mm * MM_TO_M, np.sin(COARSE.vertex_uv_mm[:, 0] / 40.0) / 50.0])
+    rng, state = np.random.default_rng(5), State(here, np.zeros_like(here), friction=forces.slack())
+    for force in forces.forces:
+        gauge = force.gauge(here)
+        drawn = gauge.strain - rng.uniform(-0.9, 0.9, gauge.way.shape) * gauge.way
+        state.friction[force.name][:] = np.where(gauge.particle != NO_PARTICLE, drawn, state.friction[force.name])
+    found = refined_sliders(COARSE, forces, state, COARSE, forces, here)
+    for force in forces.forces:
+        np.testing.assert_allclose(found[force.name], state.friction[force.name], atol=1e-12)
+
+
 def test_welded_vertices_share_one_place() -> None:
     welded, particle_map = weld(FINE)
     rng = np.random.default_rng(1)

@@ -178,7 +178,7 @@ def test_a_panel_that_waits_for_its_seam_is_not_knocked_about() -> None:
     below it."""
     dynamics, state = three_squares(2.0)
     cloth, third, heights = dynamics.cloth, dynamics.cloth.vertex_particle[dynamics.cloth.vertex_panel == 2], []
-    state.velocities[cloth.vertex_particle[cloth.vertex_panel != 2], 2] = 0.1
+    state.velocities[cloth.vertex_particle[cloth.vertex_panel != 2], 2] = 0.2
     waiting = state.positions[third].copy()
     below = np.intersect1d(cloth.vertex_particle[cloth.vertex_panel == 1], np.flatnonzero(state.positions[:, 0] > 0.129))  # its seam to the third
 

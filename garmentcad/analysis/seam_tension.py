@@ -7,6 +7,8 @@ the seam holds: at rest f_a + f_b = 0 but for what touches the sewn particle and
 
 at each stitch, divided by the rest length that the stitch stands for (the mean of both sides; of gathers the shorter one, which they are drawn into). Its
 part across the seam, positive where it pulls the panels apart, is the tension; its part along the seam is the shear that makes a seam slip or pucker.
+Across is the mean way from one panel into the other over a few stitches: where cloth lies in ridges along its seam, single stitches pull out of it this way
+and that, several times as hard as all of them together.
 """
 
 from __future__ import annotations
@@ -14,11 +16,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.gathers import EASED
 from garmentcad.units import MM_TO_M
 
+_AROUND = 4  # stitches before and after one, over which the way across is the mean
 _LONGEST_STEP = 1.01  # of the lattice spacing: neighbours on an outline lie no farther apart
 
 
@@ -50,8 +54,10 @@ def seam_tension(flat: Cloth, positions: np.ndarray, forces: np.ndarray) -> dict
             continue
         pull = 0.5 * (forces[a] - forces[b])
         along = (pull * way).sum(axis=1)
-        across = pull - along[:, None] * way
-        opening = np.where((across * (inward[a] - inward[b])).sum(axis=1) < 0.0, -1.0, 1.0) * np.linalg.norm(across, axis=1)
+        mean_way, apart = (uniform_filter1d(ways, 2 * _AROUND + 1, axis=0, mode="nearest") for ways in (way, inward[a] - inward[b]))
+        mean_way = _unit(mean_way)
+        across = _unit(apart - (apart * mean_way).sum(axis=1, keepdims=True) * mean_way)
+        opening = (pull * across).sum(axis=1)
         total = float(length[counted].sum())
         found[name] = SeamTension(
             total / MM_TO_M,
@@ -83,6 +89,10 @@ def _lengths_and_ways(flat: Cloth, a: np.ndarray, b: np.ndarray, middle: np.ndar
     shorter, longer = np.minimum(*steps), np.maximum(*steps)
     step = np.where(shorter > 0.0, np.where(longer > EASED * shorter, shorter, 0.5 * (shorter + longer)), longer)
     length = 0.5 * (np.append(step, 0.0) + np.append(0.0, step))
-    way = np.gradient(middle, axis=0) if len(a) > 1 else np.zeros((len(a), 3))
-    size = np.linalg.norm(way, axis=1, keepdims=True)
-    return length, np.divide(way, size, out=np.zeros_like(way), where=size > 0.0)
+    return length, _unit(np.gradient(middle, axis=0) if len(a) > 1 else np.zeros((len(a), 3)))
+
+
+def _unit(vectors: np.ndarray) -> np.ndarray:
+    """(N,3), those without length as they are."""
+    size = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return np.asarray(np.divide(vectors, size, out=np.zeros_like(vectors), where=size > 0.0))

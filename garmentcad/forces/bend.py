@@ -29,7 +29,7 @@ from garmentcad.cloth.cloth import WARP, WEFT, BendLines
 from garmentcad.fabric.internal_friction import dragged
 from garmentcad.fabric.law_bending import STICK
 from garmentcad.fabric.material import MaterialTable
-from garmentcad.forces.force import CURVES, NO_PARTICLE, Gauge, OneLaw
+from garmentcad.forces.force import CURVES, NO_PARTICLE, Gauge, OneLaw, between
 from garmentcad.forces.rows import PART, LatticeSlots, ends
 from garmentcad.geometry.angle import angle_over_sine, arctan2
 from garmentcad.geometry.vectors import dots, lengths, picked
@@ -260,6 +260,11 @@ class ForceBend(OneLaw):
         corners[:, 2:5:2][self._weights == 0.0] = NO_PARTICLE
         return corners.ravel()
 
+    @property
+    def between(self) -> np.ndarray:
+        """(B,4) of `Gauge`."""
+        return between(self._points[:, :1])
+
     @cached_property
     def arguments(self) -> tuple[BendElements]:
         """What `write_bend` takes before sliders, positions, velocities and out."""
@@ -279,7 +284,7 @@ class ForceBend(OneLaw):
 
     def gauge(self, positions: np.ndarray) -> Gauge:
         curve = np.where(self._direction == WEFT, CURVES.index("weft bending"), CURVES.index("warp bending"))
-        return Gauge(self.strain(positions), self.way, curve, self._points[:, 0])
+        return Gauge(self.strain(positions), self.way, curve, self._points[:, 0], self.between)
 
     def write_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray, sliders: np.ndarray | None = None) -> None:
         write_bend(*self.arguments, self.slack() if sliders is None else sliders, positions, velocities, out)

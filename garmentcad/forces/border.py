@@ -3,11 +3,14 @@
     u = sum_k warp_gradient[k] x[k],  w = sum_k weft_gradient[k] x[k]     (unit length at rest)
     patch p (the triangles t around a vertex):  e_p = sum_t(A_t (|u_t| - 1))/sum_t(A_t), alike in the weft,  A_p = sum_t(A_t)/3
     E = sum_p A_p (f_warp(e_p) + f_weft(e_p)) + sum_t A_t g(gamma_t)   [J]
+      + STEADY sum_(warp, weft) sum_p k_p/2 (sum_t A_t e_t^2/3 - A_p e_p^2),   e_t = |u_t| - 1, |w_t| - 1
 
 f and g are what the tensile and shear laws of the sheet store, each with its slider: two a patch, one a triangle. Averaging over patches keeps
 constant-strain triangles from locking in shear. The exact gradient is the patch stress pulled back: a triangle carries the mean stress of its three patches.
-Damping as in stretch.py and shear.py, on the rates of e_p and gamma_t.
-Source: patch averaging after nodally averaged triangles (Bonet and Burton 1998).
+Means do not see strains that change their sign from triangle to triangle; the last sum, never negative, and nothing where strain is even, does. k_p is
+the initial slope of the curve.
+Damping as in stretch.py and shear.py, on the rates of e_p, e_t and gamma_t.
+Source: patch averaging after nodally averaged triangles (Bonet and Burton 1998), with a share of the triangles' own energy (Puso and Solberg 2006).
 """
 
 from __future__ import annotations
@@ -25,7 +28,7 @@ from garmentcad.fabric.internal_friction import dragged
 from garmentcad.fabric.law_shear import stick_stiffness
 from garmentcad.fabric.law_tension import WAY
 from garmentcad.fabric.material import MaterialTable
-from garmentcad.forces.force import CURVES, Gauge, OneLaw
+from garmentcad.forces.force import CURVES, Gauge, OneLaw, between
 from garmentcad.forces.rows import PART
 from garmentcad.forces.shear import (
     SHORTEST,
@@ -39,6 +42,8 @@ from garmentcad.forces.shear import (
 )
 from garmentcad.forces.stretch import COEFFICIENTS, tension_coefficients, tension_force
 from garmentcad.forces.tension_curves import largest_tension_at, tension_curves, tension_energy_at
+
+STEADY = 0.05  # share of the initial slope with which triangles keep to the mean of their patches, as Puso and Solberg have it for solids
 
 
 class BorderParts(NamedTuple):
@@ -125,21 +130,26 @@ def _keep_sliders(span, parts, held, gone, axis, sliders):  # type: ignore[no-un
 
 @row_kernel
 def _stress_row(count, damping_time, curves, first, held, means, gone):  # type: ignore[no-untyped-def]
-    """Tension [N/m] of patches in place of their strains, from strains and rates (2,K). Moves their sliders held (K,); energy lost per area into gone (K,)."""
+    """Tension [N/m] of patches, less what steadies their triangles, in place of their strains, and the slope of that in place of their rates, from strains and
+    rates (2,K). Moves their sliders held (K,); energy lost per area into gone (K,)."""
     rate, amplitude, em, stick = curves[0, first:], curves[1, first:], curves[2, first:], curves[3, first:]
     strain, speed = means[0], means[1]
     for p in range(np.uint64(count)):
-        strain[p], held[p], gone[p] = tension_force(strain[p], damping_time * speed[p], held[p], rate[p], amplitude[p], em[p], stick[p])
+        mean, damped, slope = strain[p], damping_time * speed[p], STEADY * (rate[p] * amplitude[p])
+        tension, held[p], gone[p] = tension_force(mean, damped, held[p], rate[p], amplitude[p], em[p], stick[p])
+        strain[p], speed[p] = tension - slope * (mean + damped), slope
 
 
 @kernel
-def _mean_stresses(span, patch, means, stresses):  # type: ignore[no-untyped-def]
-    """Warp and weft stress of triangles from their three patches; span: first triangle, number."""
+def _mean_stresses(span, damping_time, patch, means, strains, stresses):  # type: ignore[no-untyped-def]
+    """Warp and weft stress of triangles from their three patches and their own strains; span: first triangle, number."""
     first, count = span
     for i in range(count):
         p, q, r = patch[0, first + i], patch[1, first + i], patch[2, first + i]
-        stresses[0, i] = (1.0 / 3.0) * (means[0, p] + means[0, q] + means[0, r])
-        stresses[1, i] = (1.0 / 3.0) * (means[2, p] + means[2, q] + means[2, r])
+        for axis in range(2):
+            k = 2 * axis
+            slope, own = means[k + 1, p] + means[k + 1, q] + means[k + 1, r], strains[k, i] + damping_time * strains[k + 1, i]
+            stresses[axis, i] = (1.0 / 3.0) * (means[k, p] + means[k, q] + means[k, r] + slope * own)
 
 
 @row_kernel
@@ -197,7 +207,7 @@ def border_part(part, parts, damping_time, sliders, positions, velocities, out):
         _load_sliders((begin_patch, patches), parts.patch_of, of_patches, axis, held[0])
         _stress_row(patches, damping_time, parts.tension[COEFFICIENTS * axis :], begin_patch, held[0], means[2 * axis :], held[1])
         total += _keep_sliders((begin_patch, patches), parts, held[0], held[1], axis, of_patches)
-    _mean_stresses((first, own), parts.patch, means, stresses)
+    _mean_stresses((first, own), damping_time, parts.patch, means, strains, stresses)
     _force_row((begin, first, own), damping_time, parts, sliders, edges, directions, stresses)
     for i in range(own):
         k = 3 * (first + i)
@@ -265,15 +275,20 @@ class ForceBorder(OneLaw):
         entries = (self._border.area * values)[self._border.patch_triangle]
         return np.bincount(self._of_entry, weights=entries, minlength=len(self._patch_area)) / self._patch_area
 
-    def _strains(self, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """gamma (T,), and e (P,2) of the patches, warp and weft."""
+    def _strains(self, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """gamma (T,), warp and weft strain (T,2) of the triangles, and e (P,2) of the patches."""
         warp, weft = self._vectors(positions)
         gamma, _, _ = angle_and_lengths(warp, weft)
-        return gamma, np.column_stack([self._patch_mean(np.linalg.norm(vector, axis=1) - 1.0) for vector in (warp, weft)])
+        own = np.column_stack([np.linalg.norm(vector, axis=1) - 1.0 for vector in (warp, weft)])
+        return gamma, own, np.column_stack([self._patch_mean(own[:, axis]) for axis in (WARP, WEFT)])
+
+    def _steadying(self, axis: int) -> np.ndarray:
+        """STEADY k (P,) [N/m] of the patches."""
+        return STEADY * np.asarray(self._curves.slope[self._patch_curve[:, axis]])
 
     def strain(self, positions: np.ndarray) -> np.ndarray:
         """Of every slider (T + 2 P,)."""
-        gamma, patches = self._strains(positions)
+        gamma, _, patches = self._strains(positions)
         return np.concatenate([gamma, patches.ravel()])
 
     def gauge(self, positions: np.ndarray) -> Gauge:
@@ -282,16 +297,20 @@ class ForceBorder(OneLaw):
         # a corner that belongs to one panel, where there is one
         inner = border.corners[np.arange(len(border.area)), np.argmax(self._alone[border.corners], axis=1)]
         of_patch = inner[border.patch_triangle[border.patch_start[:-1]]] if len(border.area) else inner
-        return Gauge(self.strain(positions), self.way, curve, np.concatenate([inner, np.repeat(of_patch, 2)]))
+        middle = np.zeros(len(self._patch_area), dtype=np.int32)
+        middle[border.patch] = border.corners
+        places = np.concatenate([between(border.corners), between(np.repeat(middle, 2)[:, None])])
+        return Gauge(self.strain(positions), self.way, curve, np.concatenate([inner, np.repeat(of_patch, 2)]), places)
 
     def energy(self, positions: np.ndarray, sliders: np.ndarray | None = None) -> float:
-        gamma, patches = self._strains(positions)
+        gamma, own, patches = self._strains(positions)
         held = self.slack() if sliders is None else sliders
         of_patches = held[len(gamma) :].reshape(-1, 2)
         total = float(np.sum(shear_energy_at(self._shear, gamma, held[: len(gamma)]) * self._border.area))
         for axis in (WARP, WEFT):
             energy = tension_energy_at(self._curves, self._patch_curve[:, axis], patches[:, axis], of_patches[:, axis])
-            total += float(np.sum(energy * self._patch_area)) / 3.0
+            uneven = self._patch_mean(own[:, axis] ** 2) - patches[:, axis] ** 2
+            total += float(np.sum((energy + 0.5 * self._steadying(axis) * uneven) * self._patch_area)) / 3.0
         return total
 
     def write_stiffness(self, positions: np.ndarray, out: np.ndarray) -> None:
@@ -316,9 +335,15 @@ class ForceBorder(OneLaw):
         bound = (shear * border.area)[:, None] * gradient * gradient.sum(axis=1, keepdims=True)
         for axis, vector, length, parts in zip((WARP, WEFT), vectors, lengths, gradients):
             reach = np.abs(parts).sum(axis=1)
-            force, tangent = largest_tension_at(self._curves, self._patch_curve[:, axis], self._patch_mean(np.linalg.norm(vector, axis=1) - 1.0))
-            along = (tangent * self._patch_mean(reach))[border.patch].mean(axis=1)
-            across = np.maximum(force, 0.0)[border.patch].mean(axis=1) * reach / length
+            own = np.linalg.norm(vector, axis=1) - 1.0
+            mean = self._patch_mean(own)
+            force, tangent = largest_tension_at(self._curves, self._patch_curve[:, axis], mean)
+            slope = self._steadying(axis)
+            steady = slope[border.patch].mean(axis=1)
+            # what steadies adds no more than the triangle's own energy alone would
+            along = (tangent * self._patch_mean(reach))[border.patch].mean(axis=1) + steady * reach
+            pull = (np.maximum(force, 0.0) - slope * mean)[border.patch].mean(axis=1) + steady * own
+            across = np.maximum(pull, 0.0) * reach / length
             bound += (border.area * (along + across))[:, None] * np.abs(parts)
         out[:] = bound.ravel()
 

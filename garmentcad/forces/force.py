@@ -18,17 +18,24 @@ NO_PARTICLE = -1
 
 
 class Gauge(NamedTuple):
-    """What the sliders of a force are measured on, each in the order of its array. way: d, 0 without friction; curve: index of CURVES; particle: one at the
-    place, NO_PARTICLE for a slider that stands for nothing."""
+    """What the sliders of a force are measured on, each in the order of its array. way: d, 0 without friction; curve: index of CURVES; particle: one of the
+    panel, at the place or beside it, NO_PARTICLE for a slider that stands for nothing; between: (..., 4) particles in whose middle the place is, NO_PARTICLE
+    beyond the last."""
 
     strain: np.ndarray
     way: np.ndarray
     curve: np.ndarray
     particle: np.ndarray
+    between: np.ndarray
 
 
 CURVES = ("weft tension", "warp tension", "shear", "twist", "weft bending", "warp bending", "seam bending")
 TENSION = (0, 1)  # of them
+
+
+def between(particles: np.ndarray) -> np.ndarray:
+    """(N,4) of `Gauge`, from (N,1) to (N,4)."""
+    return np.pad(particles, ((0, 0), (0, 4 - particles.shape[1])), constant_values=NO_PARTICLE)
 
 
 class Force(Protocol):
@@ -85,7 +92,7 @@ class OneLaw:
 
     def gauge(self, positions: np.ndarray) -> Gauge:
         none = np.empty(0)
-        return Gauge(none, none, none, none)
+        return Gauge(none, none, none, none, np.empty((0, 4)))
 
     def drawn(self, positions: np.ndarray, share: float) -> np.ndarray:
         gauge = self.gauge(positions)

@@ -23,7 +23,7 @@ from garmentcad.fabric.internal_friction import dragged
 from garmentcad.fabric.law_bending import STICK
 from garmentcad.fabric.material import MaterialTable, bending_along, bending_friction_along
 from garmentcad.forces.bend import stored
-from garmentcad.forces.force import CURVES, Gauge, OneLaw
+from garmentcad.forces.force import CURVES, Gauge, OneLaw, between
 from garmentcad.forces.rows import PART
 from garmentcad.geometry.angle import angle_over_sine, arctan2
 
@@ -130,7 +130,8 @@ class ForceHinge(OneLaw):
         return np.zeros(len(self.way))
 
     def gauge(self, positions: np.ndarray) -> Gauge:
-        return Gauge(self.strain(positions), self.way, np.full(len(self.way), CURVES.index("seam bending")), self._hinges.corners[:, 0])
+        ends = self._hinges.corners[:, :2]
+        return Gauge(self.strain(positions), self.way, np.full(len(self.way), CURVES.index("seam bending")), ends[:, 0], between(ends))
 
     def write_forces(self, positions: np.ndarray, velocities: np.ndarray, out: np.ndarray, sliders: np.ndarray | None = None) -> None:
         write_hinge(*self.arguments, self.slack() if sliders is None else sliders, positions, velocities, out)

@@ -222,11 +222,12 @@ class ForceLattice:
         return self._spread(lambda law: law.slack())
 
     def gauge(self, positions: np.ndarray) -> Gauge:
-        particle = np.full((SLIDERS, self._slots), NO_PARTICLE, dtype=np.int32)
+        particle, middle = (np.full((SLIDERS, self._slots, *more), NO_PARTICLE, dtype=np.int32) for more in ((), (4,)))
         curve = np.broadcast_to(np.arange(SLIDERS)[:, None], particle.shape)
-        for places in self._places:
+        for law, places in zip(self.laws, self._places):
             particle.reshape(-1)[places] = self._blocks.particle[places % self._slots]
-        return Gauge(self._spread(lambda law: law.strain(positions)), self._spread(lambda law: law.way), curve, particle)
+            middle.reshape(-1, 4)[places] = law.between
+        return Gauge(self._spread(lambda law: law.strain(positions)), self._spread(lambda law: law.way), curve, particle, middle)
 
     def drawn(self, positions: np.ndarray, share: float) -> np.ndarray:
         return self._spread(lambda law: law.strain(positions) - share * law.way)

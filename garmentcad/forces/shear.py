@@ -152,6 +152,11 @@ class LawShear:
     def slack(self) -> np.ndarray:
         return np.zeros(len(self.at))
 
+    @property
+    def between(self) -> np.ndarray:
+        """(C,4) of `Gauge`."""
+        return self._cells.corners
+
     def _chords(self, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         x00, x10, x11, x01 = picked(positions, self._cells.corners)
         half = 0.5 / self._cells.spacing[:, None]

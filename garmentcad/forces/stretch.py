@@ -20,6 +20,7 @@ from garmentcad.cloth.cloth import WARP, WEFT, Links
 from garmentcad.fabric.internal_friction import dragged
 from garmentcad.fabric.law_tension import WAY
 from garmentcad.fabric.material import MaterialTable
+from garmentcad.forces.force import between
 from garmentcad.forces.rows import LatticeSlots, ends
 from garmentcad.forces.smooth import expm1_smooth
 from garmentcad.forces.tension_curves import TensionCurves, tension_curves, tension_energy_at
@@ -150,6 +151,11 @@ class LawStretch:
     def slack(self) -> np.ndarray:
         """Sliders (L,) of links that were never stretched."""
         return -self.way
+
+    @property
+    def between(self) -> np.ndarray:
+        """(L,4) of `Gauge`."""
+        return between(self._links.ends)
 
     def strain(self, positions: np.ndarray) -> np.ndarray:
         first, second = picked(positions, self._links.ends)

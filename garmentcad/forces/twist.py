@@ -63,6 +63,11 @@ class LawTwist:
     def slack(self) -> np.ndarray:
         return np.zeros(len(self.at))
 
+    @property
+    def between(self) -> np.ndarray:
+        """(C,4) of `Gauge`."""
+        return self._cells.corners
+
     def strain(self, positions: np.ndarray) -> np.ndarray:
         x00, x10, x11, x01 = picked(positions, self._cells.corners)
         normal = np.cross(x11 - x00, x01 - x10)

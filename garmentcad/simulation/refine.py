@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import cKDTree
 
+from garmentcad.arrays import rows_by_key
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.locate import located
 from garmentcad.cloth.state import State
@@ -36,30 +37,47 @@ def refined(coarse: Cloth, values: np.ndarray, fine: Cloth) -> np.ndarray:
 
 def refined_sliders(coarse: Cloth, before: ForceAssembly, state: State, fine: Cloth, after: ForceAssembly, positions: np.ndarray) -> dict[str, np.ndarray]:
     """Sliders for the forces `after` of `fine` at `positions`, from those of `state`, which belong to the forces `before` of `coarse`."""
-    panel, uv, curve, drawn = [], [], [], []
+    kind, uv, drawn = [], [], []
     for force in before.forces:
-        gauge = Gauge(*(column.ravel() for column in force.gauge(state.positions)))
+        gauge = _in_rows(force.gauge(state.positions))
         used = np.flatnonzero((gauge.particle != NO_PARTICLE) & (gauge.way > 0.0))
-        vertex = _first_vertex(coarse)[gauge.particle[used].astype(np.int64)]
-        panel.append(coarse.vertex_panel[vertex])
-        uv.append(coarse.vertex_uv_mm[vertex])
-        curve.append(gauge.curve[used])
+        panel, places = _places(coarse, gauge, used)
+        kind.append(panel * len(CURVES) + gauge.curve[used])
+        uv.append(places)
         drawn.append(np.clip((gauge.strain[used] - state.friction[force.name].ravel()[used]) / gauge.way[used], -1.0, 1.0))
-    known = np.concatenate(panel) * len(CURVES) + np.concatenate(curve)
-    places, share = np.concatenate(uv), np.concatenate(drawn)
+    known, at, share = (np.concatenate(columns) for columns in (kind, uv, drawn))
     made = after.slack()
     for force in after.forces:
-        gauge = Gauge(*(column.ravel() for column in force.gauge(positions)))
+        gauge = _in_rows(force.gauge(positions))
         used = np.flatnonzero(gauge.particle != NO_PARTICLE)
-        vertex = _first_vertex(fine)[gauge.particle[used].astype(np.int64)]
-        key = fine.vertex_panel[vertex] * len(CURVES) + gauge.curve[used]
-        for kind in np.intersect1d(key, known):
-            there, here = np.flatnonzero(known == kind), used[key == kind]
-            nearest = there[cKDTree(places[there]).query(fine.vertex_uv_mm[vertex[key == kind]])[1]]
+        panel, places = _places(fine, gauge, used)
+        key = panel * len(CURVES) + gauge.curve[used]
+        for one in np.intersect1d(key, known):
+            there, here = np.flatnonzero(known == one), used[key == one]
+            nearest = there[cKDTree(at[there]).query(places[key == one])[1]]
             made[force.name].reshape(-1)[here] = gauge.strain[here] - gauge.way[here] * share[nearest]
     return made
 
 
-def _first_vertex(cloth: Cloth) -> np.ndarray:
-    """(P,) the first vertex of each particle."""
-    return np.unique(cloth.vertex_particle, return_index=True)[1]
+def _in_rows(gauge: Gauge) -> Gauge:
+    rows = {name: column.ravel() for name, column in gauge._asdict().items()}
+    return Gauge(**rows | {"between": gauge.between.reshape(-1, 4)})
+
+
+def _places(cloth: Cloth, gauge: Gauge, used: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Panel (N,) and place on it (N,2) mm of the sliders `used` (N,): the mean of the particles between which each is, of several vertices of one particle of
+    the nearest."""
+    starts, rows = rows_by_key(cloth.vertex_particle, cloth.particle_count)
+    own = rows[starts[gauge.particle[used].astype(np.int64)]]
+    panel, beside = cloth.vertex_panel[own], cloth.vertex_uv_mm[own]
+    total, count = np.zeros_like(beside), np.zeros(len(used))
+    for column in gauge.between[used].astype(np.int64).T:
+        found, least = np.zeros_like(beside), np.full(len(used), np.inf)
+        for k in range(int(np.diff(starts).max())):
+            there = np.flatnonzero((column != NO_PARTICLE) & (starts[column] + k < starts[column + 1]))
+            vertex = rows[starts[column[there]] + k]
+            way = np.where(cloth.vertex_panel[vertex] == panel[there], np.linalg.norm(cloth.vertex_uv_mm[vertex] - beside[there], axis=1), np.inf)
+            nearer = way < least[there]
+            least[there[nearer]], found[there[nearer]] = way[nearer], cloth.vertex_uv_mm[vertex[nearer]]
+        total, count = total + found, count + np.isfinite(least)
+    return panel, total / count[:, None]
