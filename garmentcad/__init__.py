@@ -9,7 +9,28 @@ Names are loaded when first used, so that `import garmentcad` costs nothing.
 from __future__ import annotations
 
 from importlib import import_module
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:  # for type checkers and editors, which do not run `__getattr__`
+    from garmentcad.check.examine import examine as examine
+    from garmentcad.cloth.lattice import build_cloth as build_cloth
+    from garmentcad.cloth.weld import weld as weld
+    from garmentcad.errors import GarmentError as GarmentError
+    from garmentcad.errors import InputError as InputError
+    from garmentcad.export.drape import drape as drape
+    from garmentcad.fabric.sheet import KesSheet as KesSheet
+    from garmentcad.fabric.sheet import KesValue as KesValue
+    from garmentcad.io.fabric_file import read_fabric as read_fabric
+    from garmentcad.io.fabric_file import write_fabric as write_fabric
+    from garmentcad.io.mannequin_file import read_mannequin as read_mannequin
+    from garmentcad.io.spec_file import read_spec as read_spec
+    from garmentcad.io.spec_file import write_spec as write_spec
+    from garmentcad.mannequin.mannequin import Mannequin as Mannequin
+    from garmentcad.pattern.draft import draft as draft
+    from garmentcad.pattern.pattern import Pattern as Pattern
+    from garmentcad.pattern.spec import GarmentSpec as GarmentSpec
+    from garmentcad.simulation.job import Job as Job
+    from garmentcad.simulation.job import make_job as make_job
 
 __version__ = "0.1.0"
 
