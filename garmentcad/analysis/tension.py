@@ -48,9 +48,9 @@ def carried_strain(cloth: Cloth, positions: np.ndarray, direction: int) -> YarnS
     )
 
 
-def panels_at_limit(cloth: Cloth, positions: np.ndarray, materials: MaterialTable) -> dict[str, float]:
-    """Share of the area at positions (P,3) m, warp and weft counted each, whose `carried_strain` is within AT_LIMIT of the fabric's strain limit, of each panel
-    in which it is more than MANY_AT_LIMIT."""
+def panels_at_limit(cloth: Cloth, positions: np.ndarray, materials: MaterialTable, of_limit: float = AT_LIMIT, many: float = MANY_AT_LIMIT) -> dict[str, float]:
+    """Share of the area at positions (P,3) m, warp and weft counted each, whose `carried_strain` is more than `of_limit` of the fabric's strain limit, of each
+    panel in which it is more than `many`."""
     full, whole = np.zeros((2, len(cloth.panel_names)))
     for direction in (WARP, WEFT):
         part, triangles = carried_strain(cloth, positions, direction), len(cloth.border.area)
@@ -58,9 +58,9 @@ def panels_at_limit(cloth: Cloth, positions: np.ndarray, materials: MaterialTabl
         links = len(panel) - triangles
         panel = np.append(panel[:links], np.repeat(panel[links:], 3))
         whole += np.bincount(panel, part.area, len(whole))
-        full += np.bincount(panel, np.where(share_of_limit(part, direction, materials) > AT_LIMIT, part.area, 0.0), len(whole))
+        full += np.bincount(panel, np.where(share_of_limit(part, direction, materials) > of_limit, part.area, 0.0), len(whole))
     shares = np.divide(full, whole, out=np.zeros(len(whole)), where=whole > 0.0)
-    return {name: float(share) for name, share in zip(cloth.panel_names, shares, strict=True) if share > MANY_AT_LIMIT}
+    return {name: float(share) for name, share in zip(cloth.panel_names, shares, strict=True) if share > many}
 
 
 def tension_summary(cloth: Cloth, positions: np.ndarray, materials: MaterialTable, direction: int) -> dict[str, float | None]:

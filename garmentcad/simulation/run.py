@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Collection
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -30,7 +31,7 @@ from garmentcad.pattern.runs import side_length
 from garmentcad.placement.outside import around_worn
 from garmentcad.placement.place import place_vertices
 from garmentcad.simulation.checkpoint import load_state
-from garmentcad.simulation.course import CLOSING_OVER_N_M, CLOSING_PULL_N_M, STANDS, Course, Progress
+from garmentcad.simulation.course import CLOSING_OVER_N_M, CLOSING_PULL_N_M, STANDS, TIGHT_SHARE, TIGHT_STRAIN, Course, Progress
 from garmentcad.simulation.job import Job
 from garmentcad.simulation.keeper import Keeper, stop_signal
 from garmentcad.simulation.materials import lay_out
@@ -232,7 +233,8 @@ class _Run:
             last = level == len(grids) - 1
             loose = not self.job.pattern.seams
             buttoned, banded = bool(self.job.pattern.buttons), bool(self.job.pattern.bands)
-            course = Course(dynamics, soften_all, self.job.mode, self.job.max_time_s, loose, last, buttoned, buttoned or banded)
+            tight = partial(self._is_tight, cloth)
+            course = Course(dynamics, soften_all, self.job.mode, self.job.max_time_s, loose, last, buttoned, buttoned or banded, tight)
             try:
                 status = course.run(self.state, self.keep)
             except (DivergedError, IntersectingError) as error:
@@ -245,6 +247,9 @@ class _Run:
                 return self._outcome(flat, cloth, dynamics, status)
             self._add_up(dynamics.seconds)
             before, level = (cloth, dynamics.forces), level + 1
+
+    def _is_tight(self, cloth: Cloth, positions: np.ndarray) -> bool:
+        return bool(panels_at_limit(cloth, positions, self.materials, TIGHT_STRAIN, TIGHT_SHARE))
 
     def _hardware(self, cloth: Cloth) -> PointRows:
         return hardware_rows(self.job.pattern, cloth, self.materials, self.job.mannequin)

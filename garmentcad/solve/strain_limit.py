@@ -15,7 +15,6 @@ import numpy as np
 from garmentcad.arrays import kernel
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.fabric.material import MaterialTable
-from garmentcad.geometry.vectors import lengths, picked
 
 SWEEPS = 20
 RETURN_M_S = 1.0
@@ -32,13 +31,6 @@ def strain_limit(cloth: Cloth, materials: MaterialTable) -> StrainLimit:
     """The limits of all links of `cloth`."""
     limit = materials.strain_limit[cloth.links.material, cloth.links.direction]
     return StrainLimit(cloth.links.ends, cloth.links.rest_length * (1.0 + limit))
-
-
-def strain_share(positions: np.ndarray, rest_length: np.ndarray, limit: StrainLimit) -> np.ndarray:
-    """Strain (L,) of each link of rest_length (L,), in parts of its limit."""
-    first, second = picked(positions, limit.ends)
-    length = lengths(second - first)
-    return np.asarray((length - rest_length) / (limit.longest - rest_length))
 
 
 @kernel
