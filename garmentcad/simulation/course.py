@@ -53,7 +53,7 @@ STIFFEN_S = 0.3
 # than this share of a panel is strained to so much of the limit, cloth slips on the body while tension comes back, and finds its place: trousers of
 # GarmentCode go up by 56 mm, to 4 mm from where their draft has them. Panel by panel, and by all that carries tension: a waistband is a hundredth of a skirt,
 # and on 20 mm has no links; that of the flared skirt stayed 3 mm too low, with an eighth of it at the limit.
-TIGHT_STRAIN, TIGHT_SHARE = 2.0 / 3.0, 0.01
+TIGHT_STRAIN, TIGHT_SHARE = 2.0 / 3.0, 0.03
 # No part of a garment that is being dressed goes faster than this; what a weld or a snap sets free would. At a step of 0.1 ms it is 1 % of 10 mm.
 SPEED_CAP_M_S = 1.0
 # Cloth that nothing is sewn to has no weld, and falls faster by itself: held at 1 m/s, discs on a pedestal came to rest with 1.5 folds and 3.5 points of drape
