@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 import numpy as np
+import pytest
 
 from garmentcad.arrays import floats, frozen, indices
 from garmentcad.fabric.missing import complete
@@ -81,3 +82,10 @@ def test_a_waistband_finds_its_place() -> None:
     outcome = run(make_job("flared-skirt", fabric=FABRIC, grid_mm=20.0), lambda progress: None)
     assert outcome.status == "converged"
     assert [warning for warning in outcome.warnings if "too tight" in warning] == []
+
+
+def test_a_knit_top_does_not_slip_for_its_neckband() -> None:
+    """The draft stretches it. Its hem is drafted 90 mm below the hip line; where it slipped it rode up to 79."""
+    outcome = run(make_job("knit-top", fabric="ponte-roma", grid_mm=25.0), lambda progress: None)
+    below_hip = outcome.job.mannequin.measurements_mm["hip_height"] - 1000.0 * float(outcome.state.positions[:, 1].min())
+    assert below_hip == pytest.approx(90.0, abs=6.0)

@@ -54,6 +54,7 @@ STIFFEN_S = 0.3
 # GarmentCode go up by 56 mm, to 4 mm from where their draft has them. Panel by panel, and by all that carries tension: a waistband is a hundredth of a skirt,
 # and on 20 mm has no links; that of the flared skirt stayed 3 mm too low, with an eighth of it at the limit.
 TIGHT_STRAIN, TIGHT_SHARE = 2.0 / 3.0, 0.03
+STRETCHED = 0.03  # ease of a seam from which on its shorter side is tight because the draft stretches it
 # No part of a garment that is being dressed goes faster than this; what a weld or a snap sets free would. At a step of 0.1 ms it is 1 % of 10 mm.
 SPEED_CAP_M_S = 1.0
 # Cloth that nothing is sewn to has no weld, and falls faster by itself: held at 1 m/s, discs on a pedestal came to rest with 1.5 folds and 3.5 points of drape
