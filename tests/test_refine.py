@@ -22,6 +22,11 @@ MATERIALS, OF = lay_out(JOB)
 COARSE, FINE = (build_cloth(JOB.pattern, OF, MATERIALS, grid) for grid in (20.0, 10.0))  # vertices are particles
 
 
+def waves(cloth: Cloth) -> np.ndarray:
+    """A particle for each vertex, on a wavy sheet."""
+    return np.column_stack([cloth.vertex_uv_mm * MM_TO_M, np.sin(cloth.vertex_uv_mm[:, 0] / 40.0) / 50.0])
+
+
 def test_an_affine_shape_is_kept() -> None:
     """Also outside the coarse chords, and whatever map each panel has."""
     rng = np.random.default_rng(0)
@@ -39,7 +44,7 @@ def test_internal_friction_is_carried_as_moment_and_stress() -> None:
     coarse, fine = (ForceAssembly(internal_forces(cloth, MATERIALS), cloth.particle_count) for cloth in (COARSE, FINE))
     panels = len(COARSE.panel_names)
     share = np.random.default_rng(4).uniform(-0.9, 0.9, (panels, len(CURVES)))
-    here, there = (np.column_stack([cloth.vertex_uv_mm * MM_TO_M, np.sin(cloth.vertex_uv_mm[:, 0] / 40.0) / 50.0]) for cloth in (COARSE, FINE))
+    here, there = waves(COARSE), waves(FINE)
     state = State(here, np.zeros_like(here), friction=coarse.slack())
     for force in coarse.forces:
         gauge = force.gauge(here)
@@ -57,7 +62,7 @@ def test_internal_friction_is_carried_as_moment_and_stress() -> None:
 def test_on_the_same_lattice_every_element_finds_itself() -> None:
     """Each stick spring drawn otherwise: found by corners instead of middles, a cell took its friction from a triangle at its corner."""
     forces = ForceAssembly(internal_forces(COARSE, MATERIALS), COARSE.particle_count)
-    here = np.column_stack([COARSE.vertex_uv_mm * MM_TO_M, np.sin(COARSE.vertex_uv_mm[:, 0] / 40.0) / 50.0])
+    here = waves(COARSE)
     rng, state = np.random.default_rng(5), State(here, np.zeros_like(here), friction=forces.slack())
     for force in forces.forces:
         gauge = force.gauge(here)
@@ -66,6 +71,29 @@ def test_on_the_same_lattice_every_element_finds_itself() -> None:
     found = refined_sliders(COARSE, forces, state, COARSE, forces, here)
     for force in forces.forces:
         np.testing.assert_allclose(found[force.name], state.friction[force.name], atol=1e-12)
+
+
+@pytest.mark.parametrize("garment", ["t-shirt", "trousers"])
+def test_friction_of_a_sewn_garment_goes_over(garment: str) -> None:
+    """Also of triangles all of whose corners are sewn (their places were no numbers); on the same lattice nearly every element finds itself."""
+    materials, of = lay_out(job := make_job(garment, grid_mm=20.0))
+    coarse, fine = (weld(build_cloth(job.pattern, of, materials, grid))[0] for grid in (20.0, 10.0))
+    before, after = (ForceAssembly(internal_forces(cloth, materials), cloth.particle_count) for cloth in (coarse, fine))
+    here, there = (np.random.default_rng(6).normal(size=(cloth.particle_count, 3)) for cloth in (coarse, fine))
+    rng, state = np.random.default_rng(5), State(here, np.zeros_like(here), friction=before.slack())
+    for force in before.forces:
+        gauge = force.gauge(here)
+        drawn = gauge.strain - rng.uniform(-0.9, 0.9, gauge.way.shape) * gauge.way
+        state.friction[force.name][:] = np.where(gauge.particle != NO_PARTICLE, drawn, state.friction[force.name])
+    for force in after.forces:
+        assert np.isfinite(refined_sliders(coarse, before, state, fine, after, there)[force.name]).all()
+    found = refined_sliders(coarse, before, state, coarse, before, here)
+    elsewhere = count = 0
+    for force in before.forces:
+        used = force.gauge(here).way > 0.0
+        elsewhere += int((np.abs(found[force.name] - state.friction[force.name])[used] > 1e-9).sum())
+        count += int(used.sum())
+    assert elsewhere < 1e-3 * count
 
 
 def test_welded_vertices_share_one_place() -> None:

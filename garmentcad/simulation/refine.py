@@ -9,6 +9,8 @@ so that its stick spring is drawn as far as that of the nearest coarse one of th
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from scipy.spatial import cKDTree
 
@@ -65,19 +67,29 @@ def _in_rows(gauge: Gauge) -> Gauge:
 
 
 def _places(cloth: Cloth, gauge: Gauge, used: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Panel (N,) and place on it (N,2) mm of the sliders `used` (N,): the mean of the particles between which each is, of several vertices of one particle of
-    the nearest."""
+    """Panel (N,) and place on it (N,2) mm of the sliders `used` (N,): of the panels of its particle the one on which most of those lie between which it is, and
+    their mean."""
     starts, rows = rows_by_key(cloth.vertex_particle, cloth.particle_count)
-    own = rows[starts[gauge.particle[used].astype(np.int64)]]
-    panel, beside = cloth.vertex_panel[own], cloth.vertex_uv_mm[own]
-    total, count = np.zeros_like(beside), np.zeros(len(used))
-    for column in gauge.between[used].astype(np.int64).T:
-        found, least = np.zeros_like(beside), np.full(len(used), np.inf)
-        for k in range(int(np.diff(starts).max())):
-            there = np.flatnonzero((column != NO_PARTICLE) & (starts[column] + k < starts[column + 1]))
-            vertex = rows[starts[column[there]] + k]
-            way = np.where(cloth.vertex_panel[vertex] == panel[there], np.linalg.norm(cloth.vertex_uv_mm[vertex] - beside[there], axis=1), np.inf)
-            nearer = way < least[there]
-            least[there[nearer]], found[there[nearer]] = way[nearer], cloth.vertex_uv_mm[vertex[nearer]]
-        total, count = total + found, count + np.isfinite(least)
-    return panel, total / count[:, None]
+    first, between = gauge.particle[used].astype(np.int64), gauge.between[used].astype(np.int64)
+    panel, place, most = np.zeros(len(used), dtype=np.int64), np.zeros((len(used), 2)), np.full(len(used), -1.0)
+    for own, mine in _vertices(starts, rows, first):
+        total, count = np.zeros((len(own), 2)), np.zeros(len(own))
+        for column in between[mine].T:
+            found, least = np.zeros((len(own), 2)), np.full(len(own), np.inf)
+            for vertex, there in _vertices(starts, rows, column):
+                # of several vertices of one particle, as beside a dart, the nearest
+                way = np.linalg.norm(cloth.vertex_uv_mm[vertex] - cloth.vertex_uv_mm[own[there]], axis=1)
+                nearer = (cloth.vertex_panel[vertex] == cloth.vertex_panel[own[there]]) & (way < least[there])
+                least[there[nearer]], found[there[nearer]] = way[nearer], cloth.vertex_uv_mm[vertex[nearer]]
+            total, count = total + found, count + np.isfinite(least)
+        better = (count > most[mine]) & (count > 0.0)
+        chosen = mine[better]
+        panel[chosen], place[chosen], most[chosen] = cloth.vertex_panel[own[better]], total[better] / count[better, None], count[better]
+    return panel, place
+
+
+def _vertices(starts: np.ndarray, rows: np.ndarray, particles: np.ndarray) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """The first vertex of each of the particles (N,) that is one, then the second of those that have two, and so on: the vertices, and whose they are."""
+    for k in range(int(np.diff(starts).max(initial=0))):
+        there = np.flatnonzero((particles != NO_PARTICLE) & (starts[particles] + k < starts[particles + 1]))
+        yield rows[starts[particles[there]] + k], there
