@@ -10,7 +10,7 @@ from small_cloth import flat, materials, small_cloth
 from test_clamped_strip import SHEAR, SLOPE, linear_material
 
 from garmentcad.fabric.law_tension import loading, loading_energy
-from garmentcad.forces.border import STEADY, ForceBorder
+from garmentcad.forces.border import ForceBorder
 
 CLOTH = small_cloth()
 ONE = materials()
@@ -51,7 +51,7 @@ def test_collapsed_triangles_are_finite() -> None:
 
 def test_no_zigzag_is_without_force() -> None:
     """A band of border triangles against plain triangles of the same linear sheet, assembled here: means over patches make no motion stiffer than these are,
-    and none softer than STEADY of it. (Without a share of their own, triangles of a band at rest were found strained by +29 and -21 %.)"""
+    and none softer than a twentieth of it. (Without a share of their own, triangles of a band at rest were found strained by +29 and -21 %.)"""
     band, step = rectangles(8, 2, 0.01, 1, sewn=False, border=True), 1e-8
     force, rest, count = ForceBorder(band, linear_material()), flat(band), band.particle_count
     laws, plain = np.zeros((2 * count, 2 * count)), np.zeros((2 * count, 2 * count))
@@ -70,5 +70,5 @@ def test_no_zigzag_is_without_force() -> None:
     energy, modes = np.linalg.eigh(plain)
     strained = modes[:, 3:] / np.sqrt(energy[3:])  # all but rigid motion
     share = np.linalg.eigvalsh(strained.T @ laws @ strained)
-    assert share.min() > STEADY
+    assert share.min() > 0.05  # 0.023 by shear alone
     assert share.max() < 1.0 + 1e-6
