@@ -11,7 +11,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import coo_array
 
 from garmentcad.cloth.cloth import WARP, WEFT, Cloth
 from garmentcad.fabric.material import MaterialTable
@@ -134,9 +133,8 @@ def share_over_limit_percent(warp: YarnStrain, weft: YarnStrain, materials: Mate
 def element_panels(cloth: Cloth, part: YarnStrain) -> np.ndarray:
     """(E,) the panel of each element: particles on a seam lie on two panels, all of an element together on one."""
     count = len(cloth.panel_names)
-    lies_on = coo_array((np.ones(len(cloth.vertex_panel)), (cloth.vertex_particle, cloth.vertex_panel)), shape=(cloth.particle_count, count)).tocsr()
-    corners = [lies_on[part.particles[:, k]] for k in range(3)]
-    return np.asarray((corners[0] + corners[1] + corners[2]).argmax(axis=1)).ravel()
+    lies_on = np.bincount(cloth.vertex_particle * count + cloth.vertex_panel, minlength=cloth.particle_count * count).reshape(-1, count)
+    return np.asarray(sum(lies_on[corner] for corner in part.particles.T).argmax(axis=1))
 
 
 def particle_mean(part: YarnStrain, values: np.ndarray, particle_count: int) -> np.ndarray:

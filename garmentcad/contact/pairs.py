@@ -384,15 +384,9 @@ def by_distance(pairs: Pairs, positions: np.ndarray) -> Pairs:
 def carry_over(before: Pairs, path_m: float, pairs: Pairs) -> None:
     """Pairs that were there before and stood close, a path of `path_m` after detection, keep their side and impulse. A vertex and a triangle may have the same
     four nodes as two edges, whose side means another thing."""
-    known = np.flatnonzero((before.impulse[:, 0] > 0.0) | (before.due <= path_m))
-    table = dict(zip(_keys(before.kind[known], before.nodes[known]), known))
-    close = np.searchsorted(pairs.due, 0.0) if table else 0
-    for n, key in enumerate(_keys(pairs.kind[:close], pairs.nodes[:close])):
-        source = table.get(key)
-        if source is not None:
-            pairs.side[n], pairs.impulse[n] = before.side[source], before.impulse[source]
-
-
-def _keys(kind: np.ndarray, nodes: np.ndarray) -> list[bytes]:
-    """What tells a pair from all others, from kind (N,) and nodes (N,4)."""
-    return [row.tobytes() for row in np.column_stack([kind, nodes])]
+    known, close = np.flatnonzero((before.impulse[:, 0] > 0.0) | (before.due <= path_m)), int(np.searchsorted(pairs.due, 0.0))
+    keys = np.column_stack([np.append(before.kind[known], pairs.kind[:close]), np.concatenate([before.nodes[known], pairs.nodes[:close]])])
+    order = np.lexsort(keys.T)  # of two that are alike, the one that was there before comes first
+    again = np.flatnonzero((keys[order[1:]] == keys[order[:-1]]).all(axis=1))
+    source, now = known[order[again]], order[again + 1] - len(known)
+    pairs.side[now], pairs.impulse[now] = before.side[source], before.impulse[source]
