@@ -264,7 +264,7 @@ def test_a_factor_that_takes_a_value_out_of_the_range_of_a_sheet_is_found(factor
     found = [finding for finding in examine(parse_spec(data, "tube.yaml")) if finding.code == "factor-out-of-range"]
     assert [(finding.severity, finding.key) for finding in found] == [(severity, f"panels.front.regions.0.factors.{key}")]
     assert said in found[0].message
-    data["panels"]["front"]["regions"][0]["factors"] = {"W": 2, "EMT": 0.5, "B": 4}
+    data["panels"]["front"]["regions"][0]["factors"] = {"W": 2, "Fm": 4, "EMT": 0.5, "B": 4}
     assert "factor-out-of-range" not in {finding.code for finding in examine(parse_spec(data, "tube.yaml"))}
 
 
@@ -297,7 +297,7 @@ def test_only_faults_of_a_spec_name_its_page(spec: str, more: dict[str, Any]) ->
 def test_an_unknown_factor_is_told_once_at_its_place_in_the_file(tmp_path: Path) -> None:
     """The skirt's other front is the mirror image of the one that is drawn."""
     garment = shipped_file("patterns", "wrap-skirt").read_text(encoding="utf-8")
-    (tmp_path / "skirt.yaml").write_text(garment.replace("G: 2, B: 4", "G: 2, BB: 4"), encoding="utf-8")
+    (tmp_path / "skirt.yaml").write_text(garment.replace("2HG5: 2, B: 4", "2HG5: 2, BB: 4"), encoding="utf-8")
     found = [(finding.key, finding.message.partition(" is not")[0]) for finding in examine(str(tmp_path / "skirt.yaml"))]
     assert found == [(f"panels.{name}.regions.0.factors.BB", "'BB'") for name in ("back", "front_over")]
 
