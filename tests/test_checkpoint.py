@@ -141,6 +141,8 @@ def first_is_nan(array: np.ndarray) -> np.ndarray:
         (lambda arrays, head: head | {"phase": "fall", "run": {}}, "in the phase fall phase_from_s is missing"),
         (lambda arrays, head: head | {"run": head["run"] | {"level": 7}}, "level 7; 0 to 0 is allowed"),
         (lambda arrays, head: head | {"run": head["run"] | {"step_factor": 0.0}}, "step_factor 0"),
+        (lambda arrays, head: head | {"run": head["run"] | {"sewing": -5.0}}, "sewing -5; 0 to 1 is allowed"),
+        (lambda arrays, head: head | {"run": head["run"] | {"sewing": 0.5}}, "sewing 0.5; 0 to 1 is allowed"),
         (lambda arrays, head: head | {"time_step_s": float("nan")}, "time_step_s is not finite"),
         (lambda arrays, head: head | {"work_j": {}}, "work_j holds nothing"),
         (lambda arrays, head: arrays.update(positions=arrays["positions"][:100], velocities=arrays["velocities"][:100]), r"positions came as \(100, 3\)"),

@@ -78,6 +78,10 @@ def test_table_and_files(tmp_path: Path) -> None:
     for table in comparison_tables(found):
         console.print(table)
     assert "denim" in console.export_text()
+    narrow = Console(width=60, record=True, file=io.StringIO())
+    for table in comparison_tables(found):
+        narrow.print(table)
+    assert "…" not in narrow.export_text()  # names fold, numbers never lose a digit
     with pytest.raises(InputError, match=r"\.png"):
         write_comparison(tmp_path / "c.pdf", folders, found, "front", "none")
 

@@ -41,6 +41,20 @@ def test_a_checkpoint_of_another_fabric_is_refused_by_the_names_of_both(tmp_path
         load_state(tmp_path / "c.npz", other.identity)
 
 
+def test_a_checkpoint_agrees_with_law_values_and_fibre_of_a_fabric() -> None:
+    """Calibration is written into the same file, and a fold keeps what its fibre takes: a drape that went on with others would be none of either."""
+    job = make_job("straight-skirt")
+    sheet = job.fabrics["wool-suiting"].sheet
+    assert sheet.law is not None
+    sheets = sheet, sheet.model_copy(update={"law": None}), sheet.model_copy(update={"fibre": "cotton"})
+    law = sheet.law.model_copy(update={"values": {key: 1.01 * value for key, value in sheet.law.values.items()}})
+    stale = sheet.model_copy(update={"law": sheet.law.model_copy(update={"sheet_sha256": "0" * 64})})  # of other numbers: no drape reads it
+    made = [make_job("straight-skirt", fabric=one).identity for one in (*sheets, sheet.model_copy(update={"law": law}), stale)]
+    assert made[0] == job.identity
+    assert len({one["fabric"] for one in made}) == 4
+    assert made[4] == made[1]
+
+
 def test_a_checkpoint_of_other_parameters_is_refused_without_hashes(tmp_path: Path) -> None:
     save_state(tmp_path / "c.npz", State(np.zeros((1, 3)), np.zeros((1, 3))), make_job("straight-skirt").identity)
     with pytest.raises(CheckpointError, match=r"another run \(grid_mm: 10 there, 20 here, spec: the garment, or a parameter that was set, is another one\)"):
@@ -157,6 +171,8 @@ def test_the_doctor_finds_arguments_of_another_kind(given: dict[str, Any], key: 
         (lambda: write_spec("x", "y"), "spec: a GarmentSpec is wanted, came 'x'"),  # type: ignore[arg-type]
         (lambda: write_spec(read_spec("straight-skirt"), 42), "path: a name or a file is wanted, came 42"),  # type: ignore[arg-type]
         (lambda: write_spec(read_spec("straight-skirt"), ""), "is a folder; a file is wanted"),
+        (lambda: write_spec(read_spec("straight-skirt"), "x.txt"), r"x\.txt: cannot write '\.txt'; allowed are \.yaml, \.yml"),
+        (lambda: write_fabric(read_fabric("denim"), "d.csv"), r"d\.csv: cannot write '\.csv'; allowed are \.yaml, \.yml"),
         (lambda: write_fabric("denim.yaml", read_fabric("denim")), "sheet: a KesSheet is wanted, came 'denim.yaml'"),  # type: ignore[arg-type]
         (lambda: write_fabric(read_fabric("denim"), 42), "path: a name or a file is wanted, came 42"),  # type: ignore[arg-type]
         (lambda: read_mannequin(None), "mannequin: a name or a file is wanted, came nothing"),  # type: ignore[arg-type]

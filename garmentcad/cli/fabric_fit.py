@@ -21,11 +21,11 @@ def fit(
     from garmentcad.fabric.quantity import quantity_of
     from garmentcad.io.fabric_file import write_fabric
     from garmentcad.io.fit_csv import read_fit_files
+    from garmentcad.io.yaml_file import ENDINGS, refuse_no_yaml
 
-    if out.name.lower() in (".yaml", ".yml"):
+    if out.name.lower() in ENDINGS:
         raise InputError(f"a name is wanted before the ending {out.name}; it becomes the fabric's", file=str(out), key="--out")
-    if out.suffix.lower() not in (".yaml", ".yml"):
-        raise InputError(f"cannot write '{out.suffix or out.name}'; .yaml is allowed", file=str(out), key="--out")
+    refuse_no_yaml(out, "--out")
     values, loops, findings = read_fit_files(files)
     sheet, fitted, assumed, remarks = fit_sheet(out.stem, values, loops)
     write_fabric(sheet, out)

@@ -18,11 +18,11 @@ def import_file(
     from garmentcad.io.garmentcode_body import body_file_of, write_body
     from garmentcad.io.garmentcode_import import import_garmentcode
     from garmentcad.io.spec_file import write_spec
+    from garmentcad.io.yaml_file import refuse_no_yaml
 
     if file.suffix != ".json":
         raise InputError(f"cannot import '{file.suffix or file.name}'; allowed is .json (GarmentCode)", file=str(file))
-    if out.suffix not in (".yaml", ".yml"):
-        raise InputError(f"cannot write '{out.suffix or out.name}'; allowed are .yaml, .yml", file=str(out), key="--out")
+    refuse_no_yaml(out, "--out")
     made = import_garmentcode(file)
     spec, body = made.spec, body_file_of(file)
     if body is not None:  # a spec refers to files in its own folder

@@ -123,11 +123,11 @@ def fit_tables(fit: Mapping[str, Any]) -> list[Table]:
 
 
 def plain_table(first: str, *others: str) -> Table:
-    """An empty table: a column of names and columns of numbers."""
+    """An empty table: a column of names, which fold where the terminal is narrow, and columns of numbers, which never lose a digit."""
     table = PlainTable()
-    table.add_column(first, no_wrap=True)
+    table.add_column(first, overflow="fold")
     for other in others:
-        table.add_column(other, justify="right")
+        table.add_column(other, justify="right", no_wrap=True)
     return table
 
 

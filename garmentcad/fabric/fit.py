@@ -9,7 +9,7 @@ from garmentcad.errors import FabricError
 from garmentcad.fabric.fast import FAST_QUANTITIES, doubtful, fit_fast
 from garmentcad.fabric.finding import Finding
 from garmentcad.fabric.fit_friction import fit_friction, unread
-from garmentcad.fabric.fit_tension import fit_tension
+from garmentcad.fabric.fit_tension import doubtful_starts, fit_tension
 from garmentcad.fabric.fitted import FittedValue, fitted_sheet
 from garmentcad.fabric.given import Given
 from garmentcad.fabric.missing import USUAL_FM, complete, noticed
@@ -35,7 +35,9 @@ def fit_sheet(name: str, values: Mapping[str, Given], loops: Sequence[RecordedLo
         fitted += _fitted(values, loops, files)
         printed = {key: given for key, given in values.items() if not _is_reading(key)}
         sheet = fitted_sheet(name, fitted, printed, files)
-        findings = [*unread([loop for loop in loops if loop.test != "tension"]), *doubtful({key: given.value for key, given in values.items()})]
+        tension = [loop for loop in loops if loop.test == "tension"]
+        findings = [*unread([loop for loop in loops if loop.test != "tension"]), *doubtful_starts(tension)]
+        findings += doubtful({key: given.value for key, given in values.items()})
         if sheet.W is None:
             lacking = Finding("warning", "W", "no mass per area came; the sheet needs one before anything can be draped")
             return Fit(sheet, tuple(fitted), frozenset(), (*findings, *noticed(sheet), lacking))

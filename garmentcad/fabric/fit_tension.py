@@ -14,8 +14,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from garmentcad.errors import FabricError
+from garmentcad.fabric.finding import Finding
 from garmentcad.fabric.fitted import FittedValue
-from garmentcad.fabric.recorded_loop import RecordedLoop, cut_legs, spread_by_noise
+from garmentcad.fabric.law_tension import solve_exponent
+from garmentcad.fabric.recorded_loop import RecordedLoop, cut_legs, noise_of, spread_by_noise
 
 NOMINAL_GF_CM = (50.0, 100.0, 500.0)
 NEAR = 0.03  # share of Fm within which a record counts as one to the nominal force
@@ -23,6 +25,8 @@ START = 0.1  # shares of the way out on which the zero of force and the end are 
 END = 0.1
 LEAST = 5  # samples of such a parabola
 MOST_OFFSET = 0.1  # share of Fm
+# Shares of Fm and of the way out from which a zero that was taken off, or a force that does not begin to grow, is worth knowing.
+TOLD_OFFSET, BEGUN, TOLD_SLACK = 0.01, 0.005, 0.03
 RESOLVED = 1e-3  # share of a value that a record resolves at best
 STEPS = 25.0  # of the trapezoid rule on a steep exponential: share of an area times the square of the number of samples
 
@@ -48,6 +52,26 @@ def fit_tension(loops: Sequence[RecordedLoop]) -> list[FittedValue]:
             how = f"tension loop of {len(loop.x)} samples"
             fitted.append(FittedValue(f"{name}.{loop.way}", value, value - half, value + half, how, (loop.key,)))
     return fitted
+
+
+def doubtful_starts(loops: Sequence[RecordedLoop]) -> list[Finding]:
+    """Findings on tension loops that may begin with a specimen that was pulled already, or hung slack: `fit_tension` cannot tell that from an amplifier whose
+    zero is off, or from cloth that gives way easily."""
+    found = []
+    for loop in loops:
+        out, end = cut_legs(loop)[0], _end(loop)
+        place, top = f"{loop.file}: {loop.place}", end["top"]
+        if abs(end["zero"]) > TOLD_OFFSET * top:
+            why = f"the record begins at {end['zero']:.3g} gf/cm, which was taken off all of it as the zero of the amplifier"
+            found.append(Finding("warning", place, f"{why}; where the specimen was pulled so at the start Fm, LT and RT are wrong"))
+        least = max(BEGUN, 4.0 * noise_of(loop.y, loop.x) / top)
+        exponent = solve_exponent(float(np.clip(_values(loop, top)["LT"], 0.05, 1.95)))
+        strain, wanted = (out.x - end["start"]) / end["strain"], np.log1p(least * np.expm1(exponent)) / exponent if exponent else least
+        begun = float(strain[np.argmax(out.y - end["zero"] > least * top)])
+        if begun > wanted + TOLD_SLACK:
+            why = f"the force grows from {begun * end['strain']:.3g} % of strain on, where a curve of this LT does so from {wanted * end['strain']:.3g} %"
+            found.append(Finding("warning", place, f"{why}; where the specimen hung slack EMT is too large and LT too small: leave these samples out"))
+    return found
 
 
 def _unseen_of_turn(loop: RecordedLoop) -> float:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -29,6 +30,7 @@ CLIPPED = 0.05  # share of the way over which the force or moment stands still a
 MOST_DECIMALS = 5  # to which a record may be printed so that it counts as rounded
 STANDS_ON = 3.0  # steps: a curve printed in few steps stands on each; on the last one no longer than on so many
 COPIES = 60  # evaluations with the noise added once more
+MOST_READ = 0.8  # share of them that must be readable
 SIGMAS = 3.0
 
 
@@ -151,7 +153,7 @@ def _turns(x: np.ndarray, threshold: float) -> list[int]:
         if direction == 0.0:
             if abs(value - x[0]) > threshold:
                 extreme, direction = i, float(np.sign(value - x[0]))
-        elif ahead >= 0.0:
+        elif ahead > 0.0:  # where the recorder stands, the force that falls meanwhile belongs to the way back
             extreme = i
         elif -ahead > threshold:
             turns.append(extreme)
@@ -191,7 +193,12 @@ def spread_by_noise(loop: RecordedLoop, values: Callable[[RecordedLoop], dict[st
     if noise == 0.0:
         return dict.fromkeys(values(loop), 0.0)
     random = np.random.default_rng(0)
-    copies = [values(loop._replace(y=loop.y + random.normal(0.0, noise, len(loop.y)))) for _ in range(COPIES)]
+    copies = []
+    for _ in range(COPIES):
+        with suppress(FabricError):
+            copies.append(values(loop._replace(y=loop.y + random.normal(0.0, noise, len(loop.y)))))
+    if len(copies) < MOST_READ * COPIES:
+        raise loop.refuse(f"its noise of {noise:.2g} is too large: with as much once more {COPIES - len(copies)} of {COPIES} copies cannot be read")
     return {key: SIGMAS * float(np.std([copy[key] for copy in copies], ddof=1)) for key in copies[0]}
 
 

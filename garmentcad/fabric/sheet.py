@@ -286,6 +286,12 @@ def sheet_sha256(sheet: KesSheet) -> str:
     return hashlib.sha256(json.dumps(numbers, sort_keys=True).encode()).hexdigest()
 
 
+def drape_sha256(sheet: KesSheet) -> str:
+    """Hash of all that a drape takes from a completed sheet: its numbers, the law values that were solved for them, and the fibre, which presses folds."""
+    law = dict(sheet.law.values) if sheet.law is not None and is_calibrated(sheet) else {}
+    return hashlib.sha256(json.dumps([sheet_sha256(sheet), law, sheet.fibre], sort_keys=True).encode()).hexdigest()
+
+
 def is_calibrated(sheet: KesSheet) -> bool:
     """Whether a completed sheet carries law values that were solved for exactly these numbers."""
     return sheet.law is not None and sheet.law.sheet_sha256 == sheet_sha256(sheet)

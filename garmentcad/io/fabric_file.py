@@ -15,7 +15,7 @@ from garmentcad.io.arguments import refuse_unnamed
 from garmentcad.io.atomic import write_atomic
 from garmentcad.io.kes_csv import read_kes_csv
 from garmentcad.io.shipped import shipped_file, shipped_names
-from garmentcad.io.yaml_file import parse_yaml, read_yaml
+from garmentcad.io.yaml_file import parse_yaml, read_yaml, refuse_no_yaml
 from garmentcad.pattern.parse import shown
 
 _PLAIN = re.compile(r"[A-Za-z][A-Za-z0-9_]*|2HG5?|2HB")
@@ -69,10 +69,11 @@ def _sheet(path: Path) -> tuple[KesSheet, tuple[Finding, ...]]:
 
 def write_fabric(sheet: KesSheet, path: str | Path) -> Path:
     """Write a sheet as a fabric file that `read_fabric` reads back to an equal sheet. FileError where the folder cannot be written, InputError for what is no
-    KesSheet or no file."""
+    KesSheet, no file, or a file that ends in neither .yaml nor .yml."""
     if not isinstance(sheet, KesSheet):
         raise InputError(f"a KesSheet is wanted, came {shown(sheet)}", key="sheet")
     refuse_unnamed(path, "path")
+    refuse_no_yaml(path)
     return write_atomic(path, "\n".join(_lines(sheet_data(sheet), "")) + "\n")
 
 

@@ -12,12 +12,12 @@ from garmentcad.io.arguments import refuse_unnamed
 from garmentcad.io.atomic import write_atomic
 from garmentcad.io.garmentcode_import import import_garmentcode
 from garmentcad.io.shipped import shipped_file
-from garmentcad.io.yaml_file import plain_scalar, read_yaml
+from garmentcad.io.yaml_file import ENDINGS, plain_scalar, read_yaml, refuse_no_yaml
 from garmentcad.pattern.outfit import OutfitSpec
 from garmentcad.pattern.parse import parse_spec, shown
 from garmentcad.pattern.spec import GarmentSpec
 
-SPEC_ENDINGS = (".yaml", ".yml", ".json")
+SPEC_ENDINGS = (*ENDINGS, ".json")
 
 
 def spec_path(name_or_file: str | Path) -> Path:
@@ -52,10 +52,11 @@ def read_spec(name_or_file: str | Path) -> GarmentSpec:
 
 def write_spec(spec: GarmentSpec, path: str | Path) -> Path:
     """Write a spec as YAML that `read_spec` reads back to an equal one. Values that are defaults are left out. FileError where it cannot be written, InputError
-    for what is no GarmentSpec or no file."""
+    for what is no GarmentSpec, no file, or a file that ends in neither .yaml nor .yml."""
     if not isinstance(spec, GarmentSpec):
         raise InputError(f"a GarmentSpec is wanted, came {shown(spec)}", key="spec")
     refuse_unnamed(path, "path")
+    refuse_no_yaml(path)
     data = {"schema": spec.schema_version, "units": spec.units, **spec.model_dump(mode="json", by_alias=True, exclude_defaults=True)}
     return write_atomic(path, yaml.dump(data, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=140))
 

@@ -14,8 +14,9 @@ from typing import Any
 
 import yaml
 
-from garmentcad.errors import FileError
+from garmentcad.errors import FileError, InputError
 
+ENDINGS = (".yaml", ".yml")
 # The parser of libyaml is six times as fast; a build of PyYAML may lack it. Its events alone are used: its composer recurses, and dies at great depth.
 _Events: Any = yaml._yaml.CParser if yaml.__with_libyaml__ else yaml.SafeLoader
 
@@ -46,6 +47,13 @@ def read_bytes(path: str | Path, max_bytes: int = MAX_BYTES) -> bytes:
         raise FileError("there is no such file", file=file) from None
     except (OSError, ValueError) as fault:  # ValueError: a null byte in the name
         raise FileError(f"cannot be read: {fault}", file=file) from None
+
+
+def refuse_no_yaml(path: str | Path, key: str | None = None) -> None:
+    """InputError where what is to be written as YAML would have another ending, by which no reader would know it. key: what named the file."""
+    path = Path(path)
+    if path.name and path.suffix.lower() not in ENDINGS:
+        raise InputError(f"cannot write '{path.suffix or path.name}'; allowed are {', '.join(ENDINGS)}", file=str(path), key=key)
 
 
 def read_yaml(path: str | Path) -> Any:

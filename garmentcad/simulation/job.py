@@ -18,7 +18,7 @@ from garmentcad.cloth.lattice import check_grid
 from garmentcad.contact.path import BodyPath
 from garmentcad.errors import FileError, InputError
 from garmentcad.fabric.missing import Completed
-from garmentcad.fabric.sheet import KesSheet, sheet_sha256
+from garmentcad.fabric.sheet import KesSheet, drape_sha256
 from garmentcad.io.arguments import as_number, as_values, refuse_no_garment, refuse_unnamed
 from garmentcad.io.fabric_file import load_fabric
 from garmentcad.io.mannequin_file import read_mannequin
@@ -69,7 +69,7 @@ class Job:
                 body.update(name.encode() + place.tobytes())
         body.update(json.dumps(self.mannequin.measurements_mm, sort_keys=True).encode())  # the pattern is drafted by them
         # by their own names: a spec knows a fabric that stands in place of its own by the name of that one
-        sheets = ", ".join(f"{completed.sheet.name} {sheet_sha256(completed.sheet)}" for _, completed in sorted(self.fabrics.items()))
+        sheets = ", ".join(f"{completed.sheet.name} {drape_sha256(completed.sheet)}" for _, completed in sorted(self.fabrics.items()))
         return {
             "spec": self.spec_sha256, "fabric": sheets, "mannequin": body.hexdigest(), "grid_mm": f"{self.grid_mm:.12g}", "seed": str(self.seed),
             "mode": self.mode, "version": __version__,

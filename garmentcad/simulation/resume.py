@@ -11,6 +11,7 @@ from garmentcad.cloth.state import State
 from garmentcad.contact.pairs import EDGE_EDGE, Pairs, make_pairs
 from garmentcad.contact.planes import fresh_planes
 from garmentcad.errors import CheckpointError
+from garmentcad.simulation.sewing import SEWING, SEWINGS
 from garmentcad.solve.dynamics import Dynamics
 
 # Phases from which a run goes on, and the entries of State.run that each of them reads.
@@ -39,6 +40,8 @@ def refuse_course(state: State, levels: int) -> None:
         raise _unfit(f"a step of {state.time_step_s:g} s at {state.time_s:g} s")
     if state.run.get("level", 0.0) not in range(levels):
         raise _unfit(f"level {state.run['level']:g}; 0 to {levels - 1} is allowed")
+    if state.run.get(SEWING, 0.0) not in range(SEWINGS):
+        raise _unfit(f"{SEWING} {state.run[SEWING]:g}; 0 to {SEWINGS - 1} is allowed")
     if not 0.0 < state.run.get("step_factor", 1.0) <= 1.0:
         raise _unfit(f"step_factor {state.run['step_factor']:g}; more than 0 and at most 1 is allowed")
     if set(state.work_j) != set(State(state.positions, state.velocities).work_j):

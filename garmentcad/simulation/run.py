@@ -40,7 +40,7 @@ from garmentcad.simulation.mend import off_body, turned_out
 from garmentcad.simulation.pressing import imposed_angles, laid_angles, press, under_iron
 from garmentcad.simulation.refine import refined, refined_sliders
 from garmentcad.simulation.resume import refuse_course, refuse_memory, refuse_shape
-from garmentcad.simulation.sewing import SEWING, Welding, close_seams, held_from_the_start, hold, open_mm, weld_state
+from garmentcad.simulation.sewing import SEWING, SEWINGS, Welding, close_seams, held_from_the_start, hold, open_mm, weld_state
 from garmentcad.simulation.start import refuse_tangled
 from garmentcad.simulation.stepper import make_dynamics
 from garmentcad.solve.dynamics import DivergedError, Dynamics, IntersectingError
@@ -61,9 +61,6 @@ GATHERED, COARSEST_GATHERED_MM = 1.25, 12.5
 # trousers to 0.05 mm, and not within 25.
 CARD_BENDING = 30.0
 UNREFINED = "unrefined"  # in State.run: the garment was sewn on the lattice of the job
-# Cloth may be caught between seams that close around it: the tip of one leg of trousers lay under that of the other and held both inseams 4 mm open, in one
-# start of five that differ by JITTER_M. What does not close is placed anew, with another jitter, so many times in all: then it is a matter of the pattern.
-SEWINGS = 2
 
 
 @dataclass
