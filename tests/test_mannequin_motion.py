@@ -4,7 +4,8 @@ import igl
 import numpy as np
 import pytest
 
-from garmentcad.errors import GarmentError, MannequinError
+from garmentcad.contact.path import BodyPath
+from garmentcad.errors import GarmentError, InputError, MannequinError
 from garmentcad.io.mannequin_file import read_mannequin
 from garmentcad.io.pose_file import read_poses
 from garmentcad.mannequin.gap import check_apart, check_uncrossed, facings
@@ -62,6 +63,31 @@ def test_shipped_motions_are_clean(name, poses):
     assert np.diff(times).min() > 0
     assert np.linalg.norm(np.diff(frames, axis=0), axis=2).max() < 0.10
     assert not any(crosses_itself(frame, body.faces) for frame in frames[3::6])
+
+
+@pytest.mark.parametrize(("span", "turn"), [(1.0, 360.0), (0.6, -360.0), (0.3, 120.0), (0.2, 45.0)])
+def test_a_body_keeps_its_shape_while_it_turns_and_begins_and_ends_gently(span: float, turn: float) -> None:
+    """A rigid turn by the angle of the smooth step, between the frames too: no vertex leaves its circle by more than a thousandth."""
+    body = read_mannequin("woman-88")
+    path = BodyPath(*motion(body, [KeyFrame(span, Pose(turn=turn))]))
+    radius = np.hypot(body.vertices[:, 0], body.vertices[:, 2])
+    for share in np.linspace(0.0, 1.0, 43):
+        points = path.at(share * span)
+        assert np.abs(np.hypot(points[:, 0], points[:, 2]) - radius).max() < 1e-3 * radius.max()
+        wanted = posed(body, Pose(turn=turn * share * share * (3.0 - 2.0 * share)))
+        assert np.linalg.norm(points - wanted, axis=1).max() < 0.01 * np.radians(abs(turn)) * radius.max()
+    way = radius.max() * np.radians(abs(turn))
+    for at in (0.0, span):
+        assert np.linalg.norm(path.at(min(span, at + 1e-4)) - path.at(max(0.0, at - 1e-4)), axis=1).max() / 1e-4 < 0.1 * way / span
+
+
+def test_a_turn_that_makes_a_hand_too_fast_is_refused() -> None:
+    body = read_mannequin("woman-88")
+    radius = np.hypot(body.vertices[:, 0], body.vertices[:, 2]).max()
+    fastest = 1.5 * 2.0 * np.pi * radius / 0.3  # half-way
+    assert fastest > 10.0
+    with pytest.raises(InputError, match=r"the body goes 1\d\.\d+ m/s between"):
+        BodyPath(*motion(body, [KeyFrame(0.3, Pose(turn=360.0))]))
 
 
 def test_distance_between_parts_is_that_of_libigl():
