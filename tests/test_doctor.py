@@ -10,12 +10,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 
 from garmentcad.check.doctor import check_pattern, refusal
 from garmentcad.check.examine import examine
 from garmentcad.check.finding import Finding
 from garmentcad.check.gather import check_gathers, fullest
 from garmentcad.errors import SpecError
+from garmentcad.export.drape import drape
 from garmentcad.fabric.material import material_row
 from garmentcad.io.fabric_file import fabric_path, load_fabric
 from garmentcad.io.shipped import shipped_file
@@ -273,6 +275,18 @@ def test_errors_come_first() -> None:
     ranks = [("error", "warning", "note").index(finding.severity) for finding in found]
     assert ranks == sorted(ranks)
     assert set(ranks) == {0, 1, 2}
+
+
+def test_a_drape_says_what_the_doctor_calls_an_error_of_its_seams() -> None:
+    """It may come to rest clean: 45 mm of a side seam are eased away, and a twisted seam is sewn as well as it goes."""
+    data: dict[str, Any] = yaml.safe_load(Path(shipped_file("patterns", "flared-skirt")).read_text(encoding="utf-8"))
+    clean = drape(parse_spec(data), grid_mm=50.0, max_time_s=1e-3)
+    assert not [warning for warning in clean.report["warnings"] if "garmentcad check" in warning]
+    side = next(seam for seam in data["seams"] if seam["name"] == "side_left")
+    side["a"] = side["a"][::-1]
+    (told,) = [warning for warning in drape(parse_spec(data), grid_mm=50.0, max_time_s=1e-3).report["warnings"] if "garmentcad check" in warning]
+    assert told.startswith("`garmentcad check` finds an error: seams.side_left: ")
+    assert told.endswith("[seam-twisted]")
 
 
 def test_refusals_are_findings() -> None:

@@ -10,7 +10,7 @@ Severity = Literal["error", "warning", "note"]
 
 @dataclass(frozen=True)
 class Finding:
-    """error: the garment cannot be sewn or simulated like this; warning: it can, but hardly as meant; note: worth knowing.
+    """error: the garment cannot be sewn or simulated as it is meant; warning: it can, but hardly as meant; note: worth knowing.
 
     code: stable name of the kind of finding; file: the spec as the user wrote it; key: dotted path in it (elements of lists by their names);
     message: what was found, with numbers; remedy: what to do, empty where the message says what is allowed and there is no more to say.

@@ -7,6 +7,9 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from garmentcad.analysis.run_record import Mode
+from garmentcad.check.placement import check_twists
+from garmentcad.check.seam import check_seams
+from garmentcad.cloth.lattice import build_cloth
 from garmentcad.errors import InputError
 from garmentcad.export.movement import movement_report, write_movement
 from garmentcad.export.report import build_report
@@ -16,8 +19,10 @@ from garmentcad.io.arguments import refuse_unnamed
 from garmentcad.io.held_folder import held_folder
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.spec import GarmentSpec
+from garmentcad.placement.place import place_vertices
 from garmentcad.simulation.course import Progress
 from garmentcad.simulation.job import Job, make_job
+from garmentcad.simulation.materials import lay_out
 from garmentcad.simulation.movement import move
 from garmentcad.simulation.record import record
 from garmentcad.simulation.run import Outcome, run
@@ -81,10 +86,20 @@ def finish(job: Job, look: Callable[[Progress], None], folder: Path | None, resu
         return _written(outcome, look, folder)
 
 
+def _seam_errors(job: Job) -> list[str]:
+    """What the pattern doctor calls an error of the seams: it can be draped all the same, and what comes to rest clean may still be wrong."""
+    materials, material_of = lay_out(job)
+    cloth = build_cloth(job.pattern, material_of, materials, job.grid_mm)
+    positions = place_vertices(job.pattern, cloth, job.mannequin)
+    found = [*check_seams(job.pattern, job.spec.file), *check_twists(job.pattern, cloth, positions, job.spec.file)]
+    return [f"`garmentcad check` finds an error: {one.key}: {one.message} [{one.code}]" for one in found if one.severity == "error"]
+
+
 def _written(outcome: Outcome, look: Callable[[Progress], None], folder: Path | None) -> tuple[Result, WrittenFolder | None]:
     job = outcome.job
     made, measures = record(outcome)
     report = build_report(made, measures)
+    report["warnings"] += _seam_errors(job)
     files: list[Path] = []
     notes: list[str] = []
     if job.poses and made.status == "converged":
