@@ -18,6 +18,7 @@ from garmentcad.analysis.tension import panels_at_limit
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.gathers import EASED
 from garmentcad.cloth.lattice import build_cloth
+from garmentcad.cloth.panel_mesh import PARTICLE_CAP
 from garmentcad.cloth.state import State
 from garmentcad.cloth.weld import weld, weld_seams
 from garmentcad.constraints.points import PointRows
@@ -48,7 +49,6 @@ from garmentcad.solve.hardware import hardware_rows, pin_rows, redundance_messag
 from garmentcad.units import M_TO_MM, MM_TO_M
 
 JITTER_M = 1e-5  # of the start, so that no fold is decided by round-off
-MAX_PARTICLES = 1_000_000
 COARSEST_MM = 25.0
 # Coarse spacings along the side of a square as large as the largest panel. An estimate: a disc of 240 mm over a pedestal has 7 folds at 10 mm, in both modes,
 # and 4 where it falls at 20 mm (docs/studies/agreement.md).
@@ -87,8 +87,8 @@ def check_size(job: Job) -> None:
     """LimitError where the lattice would be larger than the cap; the areas decide, before anything is allocated."""
     area_mm2 = sum(_area_mm2(panel) for panel in job.pattern.panels.values())
     count = int(area_mm2 / job.grid_mm**2)
-    if count > MAX_PARTICLES:
-        message = f"{area_mm2 * 1e-6:.2f} m2 at a grid of {job.grid_mm:g} mm are about {count} particles; at most {MAX_PARTICLES} are allowed"
+    if count > PARTICLE_CAP:
+        message = f"{area_mm2 * 1e-6:.2f} m2 at a grid of {job.grid_mm:g} mm are about {count} particles; at most {PARTICLE_CAP} are allowed"
         raise LimitError(message, key="grid_mm")
 
 
