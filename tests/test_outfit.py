@@ -173,8 +173,7 @@ def test_ctrl_c_after_the_last_look_below_stops_the_outfit(folder: Path, tmp_pat
     measured = run.panels_at_limit
 
     def pressed(*given: Any) -> dict[str, float]:
-        if len(given) == 3:  # at the end of a garment; while it falls it is asked with bars of its own
-            signal.raise_signal(signal.SIGINT)
+        signal.raise_signal(signal.SIGINT)
         return measured(*given)
 
     monkeypatch.setattr(run, "panels_at_limit", pressed)

@@ -22,7 +22,7 @@ from garmentcad.analysis.strain import (
     weighted_quantile,
     yarn_strain,
 )
-from garmentcad.analysis.tension import carried_strain, panels_at_limit, tension_n_m, tension_summary
+from garmentcad.analysis.tension import carried_strain, panels_at_limit, panels_pulled, tension_n_m, tension_summary
 from garmentcad.analysis.tributary import draped_areas
 from garmentcad.cloth.cloth import WARP, WEFT
 from garmentcad.cloth.lattice import rectangle_cloth
@@ -126,6 +126,8 @@ def test_a_band_narrower_than_a_cell_can_be_too_tight() -> None:
     positions = np.column_stack([cloth.vertex_uv_mm / 1000.0, np.zeros(len(cloth.vertex_panel))])
     for stretch, share in ((1.09, []), (1.11, [pytest.approx(0.5)])):
         assert list(panels_at_limit(cloth, positions * [stretch, 1.0, 1.0], table).values()) == share
+    for stretch, share in ((1.049, []), (1.051, [pytest.approx(0.5)])):  # of 2000 N/m
+        assert list(panels_pulled(cloth, positions * [stretch, 1.0, 1.0], table, 100.0, 0.03).values()) == share
 
 
 def test_map_of_a_uniform_strain_is_uniform_across_seams() -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from garmentcad.analysis.strain import YarnStrain, element_panels, share_of_limit, weighted_quantile, yarn_strain
@@ -48,9 +50,24 @@ def carried_strain(cloth: Cloth, positions: np.ndarray, direction: int) -> YarnS
     )
 
 
-def panels_at_limit(cloth: Cloth, positions: np.ndarray, materials: MaterialTable, of_limit: float = AT_LIMIT, many: float = MANY_AT_LIMIT) -> dict[str, float]:
-    """Share of the area at positions (P,3) m, warp and weft counted each, whose `carried_strain` is more than `of_limit` of the fabric's strain limit, of each
+def panels_at_limit(cloth: Cloth, positions: np.ndarray, materials: MaterialTable) -> dict[str, float]:
+    """Share of the area at positions (P,3) m, warp and weft counted each, whose `carried_strain` is more than AT_LIMIT of the fabric's strain limit, of each
+    panel in which it is more than MANY_AT_LIMIT."""
+    return _panels_where(cloth, positions, MANY_AT_LIMIT, lambda part, direction: share_of_limit(part, direction, materials) > AT_LIMIT)
+
+
+def panels_pulled(cloth: Cloth, positions: np.ndarray, materials: MaterialTable, tension: float, many: float) -> dict[str, float]:
+    """Share of the area, as of `panels_at_limit`, in which the fabrics of `materials` pull with more than `tension` N/m at their `carried_strain`, of each
     panel in which it is more than `many`."""
+
+    def pulled(part: YarnStrain, direction: int) -> np.ndarray:
+        return tension_n_m(part.strain, part.material, materials, direction) > tension
+
+    return _panels_where(cloth, positions, many, pulled)
+
+
+def _panels_where(cloth: Cloth, positions: np.ndarray, many: float, holds: Callable[[YarnStrain, int], np.ndarray]) -> dict[str, float]:
+    """Share of the area of each panel for whose elements `holds`, where it is more than `many`."""
     full, whole = np.zeros((2, len(cloth.panel_names)))
     for direction in (WARP, WEFT):
         part, triangles = carried_strain(cloth, positions, direction), len(cloth.border.area)
@@ -58,7 +75,7 @@ def panels_at_limit(cloth: Cloth, positions: np.ndarray, materials: MaterialTabl
         links = len(panel) - triangles
         panel = np.append(panel[:links], np.repeat(panel[links:], 3))
         whole += np.bincount(panel, part.area, len(whole))
-        full += np.bincount(panel, np.where(share_of_limit(part, direction, materials) > of_limit, part.area, 0.0), len(whole))
+        full += np.bincount(panel, np.where(holds(part, direction), part.area, 0.0), len(whole))
     shares = np.divide(full, whole, out=np.zeros(len(whole)), where=whole > 0.0)
     return {name: float(share) for name, share in zip(cloth.panel_names, shares, strict=True) if share > many}
 

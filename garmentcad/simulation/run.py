@@ -14,7 +14,7 @@ import numpy as np
 from shapely.geometry import Polygon
 
 from garmentcad.analysis.clearance import clearing_moves, move_panels
-from garmentcad.analysis.tension import panels_at_limit
+from garmentcad.analysis.tension import panels_at_limit, panels_pulled
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.gathers import EASED
 from garmentcad.cloth.lattice import build_cloth
@@ -33,7 +33,7 @@ from garmentcad.pattern.runs import side_length
 from garmentcad.placement.outside import around_worn
 from garmentcad.placement.place import place_vertices
 from garmentcad.simulation.checkpoint import load_state
-from garmentcad.simulation.course import CLOSING_OVER_N_M, CLOSING_PULL_N_M, STANDS, STRETCHED, TIGHT_SHARE, TIGHT_STRAIN, Course, Progress
+from garmentcad.simulation.course import CLOSING_OVER_N_M, CLOSING_PULL_N_M, STANDS, STRETCHED, TIGHT_N_M, TIGHT_SHARE, Course, Progress
 from garmentcad.simulation.job import Job
 from garmentcad.simulation.keeper import Keeper, stop_signal
 from garmentcad.simulation.materials import lay_out
@@ -251,7 +251,7 @@ class _Run:
         # What cloth is gathered onto is not stretched by it.
         pulled = [seam for seam in self.job.pattern.seams if STRETCHED < abs(seam.ease) <= EASED - 1.0]
         by_draft = {use.panel for seam in pulled for use in (seam.a if seam.ease < 0.0 else seam.b)}
-        return not panels_at_limit(cloth, positions, self.materials, TIGHT_STRAIN, TIGHT_SHARE).keys() <= by_draft
+        return not panels_pulled(cloth, positions, self.materials, TIGHT_N_M, TIGHT_SHARE).keys() <= by_draft
 
     def _hardware(self, cloth: Cloth) -> PointRows:
         return hardware_rows(self.job.pattern, cloth, self.materials, self.job.mannequin)
