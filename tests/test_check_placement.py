@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import dataclasses
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -182,6 +183,74 @@ def test_a_back_between_two_fronts_crosses_its_seams_too() -> None:
     assert "join back to left and right over 500 and 500 mm" in found.message
 
 
+@pytest.mark.parametrize("apart", [0.0, 4.0])
+def test_a_godet_that_is_sewn_in_with_left_and_right_exchanged(apart: float) -> None:
+    """A wedge of 200 mm before the slit between two fronts of 150 mm, which begin `apart` degrees (of 130 mm: 9 mm) from the middle."""
+
+    def godet(left: str, right: str) -> Callable[[dict[str, Any]], None]:
+        def change(data: dict[str, Any]) -> None:
+            front = data["panels"].pop("front")
+            for name, side, ends in (("left", 1, {"a": [0, 0], "d": [0, 200]}), ("right", -1, {"b": [0, 0], "c": [0, 200]})):
+                wrap = {"part": "torso", "anchor": [0, 0], "angle": side * apart, "height": 400, "offset": 30}
+                data["panels"][name] = {**front, "points": front["points"] | ends, "placement": {"wrap": wrap}}
+            wedge = {"points": {"t": [0, 200], "l": [-60, 0], "r": [60, 0]}, "placement": {"transform": {"translation": [0, 400, 180]}}}
+            wedge["edges"] = [{"name": name, "from": a, "to": b} for name, a, b in (("left", "t", "l"), ("hem", "l", "r"), ("right", "r", "t"))]
+            data["panels"]["godet"] = wedge
+            data["seams"][0]["a"], data["seams"][1]["a"] = ["left.right.c", "left.right.b"], ["right.left.d", "right.left.a"]
+            data["seams"] += [
+                {"name": "godet_left", "a": ["left.left.d", "left.left.a"], "b": [f"godet.{left}.t", f"godet.{left}.{left[0]}"]},
+                {"name": "godet_right", "a": ["right.right.c", "right.right.b"], "b": [f"godet.{right}.t", f"godet.{right}.{right[0]}"]},
+            ]
+
+        return change
+
+    # The left front is the wearer's, on the godet's right as seen from outside.
+    assert [finding for finding in findings(godet("right", "left")) if finding.code != "placement-crossing"] == []
+    (found,) = [finding for finding in findings(godet("left", "right")) if finding.code != "placement-crossing"]
+    assert (found.code, found.key, found.severity) == ("seams-cross-over", "seams.godet_left", "warning")
+    assert "seams godet_left and godet_right cross over: they join godet to left and right" in found.message
+
+
+def test_straps_that_cross_are_no_panel_on_its_face() -> None:
+    """From a band in front they slant to either side, one before the other: where they begin they lie 45 mm apart, and their middles the other way."""
+
+    def crossed(data: dict[str, Any]) -> None:
+        names = (("right", "a", "b"), ("top_right", "b", "m"), ("top_left", "m", "c"), ("left", "c", "d"), ("hem", "d", "a"))
+        edges = [{"name": name, "from": a, "to": b} for name, a, b in names]
+        points = {"a": [60, 150], "b": [60, 200], "m": [0, 200], "c": [-60, 200], "d": [-60, 150]}
+        data["panels"] = {"band": {"points": points, "edges": edges, "placement": {"transform": {"translation": [0, 400, 200]}}}}
+        data["seams"] = []
+        for name, side, z in (("right", 1, 210), ("left", -1, 220)):
+            outline = {"p": [side * 2, 200], "q": [side * 42, 200], "r": [side * -200, 500], "s": [side * -240, 500]}
+            drawn = [{"name": key, "from": key[0], "to": key[1]} for key in ("pq", "qr", "rs", "sp")]
+            data["panels"][name] = {"points": outline, "edges": drawn, "placement": {"transform": {"translation": [0, 400, z]}}}
+            ends = ["m", "b" if side > 0 else "c"]
+            data["seams"].append({"name": name, "a": [f"band.top_{name}.{end}" for end in ends], "b": [f"{name}.pq.p", f"{name}.pq.q"], "ease": 0.5})
+
+    assert findings(crossed) == []
+
+
+def test_a_facing_is_sewn_alike_and_does_not_cross_over() -> None:
+    """Of 60 mm, within the tops of two fronts that meet in the middle: it comes to lie on its face, as it is meant."""
+
+    def faced(data: dict[str, Any]) -> None:
+        facing = {**panel(0), "points": {"a": [-150, 140], "b": [150, 140], "c": [150, 200], "d": [-150, 200]}}
+        halves = {"left": {"a": [0, 0], "d": [0, 200]}, "right": {"b": [0, 0], "c": [0, 200]}}
+        front = data["panels"].pop("front")
+        for name, ends in halves.items():
+            data["panels"][name] = {**front, "points": front["points"] | ends}
+        facing["points"] |= {"m": [0, 200]}
+        facing["edges"][2:3] = [{"name": "top_left", "from": "c", "to": "m"}, {"name": "top_right", "from": "m", "to": "d"}]
+        facing["placement"]["wrap"]["offset"] = 20
+        data["panels"]["facing"] = facing
+        data["seams"] = [
+            {"name": "one", "a": ["left.top.c", "left.top.d"], "b": ["facing.top_left.c", "facing.top_left.m"]},
+            {"name": "two", "a": ["right.top.c", "right.top.d"], "b": ["facing.top_right.m", "facing.top_right.d"]},
+        ]
+
+    assert [finding for finding in findings(faced) if finding.code != "placement-crossing"] == []
+
+
 @pytest.mark.parametrize(("height", "off"), [(-190, False), (-210, True), (990, False), (1010, True)])
 def test_a_panel_above_or_below_its_part(height: float, off: bool) -> None:
     """The post goes from 0 to 1000 mm, the panel 200 mm up from its height."""
@@ -263,7 +332,29 @@ def test_a_panel_that_is_wrapped_around_more_than_once_crosses_itself() -> None:
 def test_panel_inside_the_body(offset: float, severity: str) -> None:
     found = findings(lambda data: data["panels"]["front"]["placement"]["wrap"].update(offset=offset) or data.update(seams=[]))
     assert [(finding.code, finding.key, finding.severity) for finding in found] == [("panel-inside-body", "panels.front.placement", severity)]
-    assert f"up to {-offset} mm deep" in found[0].message
+    assert f"up to {-offset} mm deep, in torso, 400 to 600 mm above the floor" in found[0].message
+
+
+def test_a_flared_skirt_inside_the_forearms() -> None:
+    """Half a circle skirt, held out at 70 degrees from the vertical, in the arms of a body that holds them at 45; no offset brings it past them."""
+    outline = {"a": [-160, 0], "b": [160, 0], "c": [660, 0], "d": [-660, 0]}
+    edges: list[dict[str, Any]] = [{"name": "left", "from": "b", "to": "c"}, {"name": "right", "from": "d", "to": "a"}]
+    edges.insert(1, {"name": "hem", "from": "c", "to": "d", "arc": {"center": [0, 0], "direction": "clockwise"}})
+    edges.append({"name": "top", "from": "a", "to": "b", "arc": {"center": [0, 0], "direction": "counterclockwise"}})
+
+    def said(flare: float) -> list[Finding]:
+        wrap = {"part": "torso", "anchor": [0, -160], "angle": 0, "height": 1040, "offset": 30, "scale": 0.8, "flare": flare}
+        skirt = {"points": outline, "edges": edges, "placement": {"wrap": wrap}}
+        pattern = draft(parse_spec({"name": "x", "fabric": "x", "mannequin": "woman-88", "panels": {"skirt": skirt}}), {})
+        mannequin = read_mannequin(pattern.mannequin)
+        cloth = build_cloth(pattern, lambda _, points: np.zeros(len(points), dtype=np.int32), materials(0.2), 20.0)
+        return [*check_placement(cloth, place_vertices(pattern, cloth, mannequin), mannequin)]
+
+    (finding,) = said(70)
+    assert re.search(r"up to 1\d mm deep, in arm_left and arm_right, 8\d\d to 9\d\d mm above the floor$", finding.message)
+    assert finding.remedy.startswith("Wrap a sleeve wider (offset, scale); lay what hangs beside the arms with a smaller flare, ")
+    assert "arm_angle of a mannequin file, up to 60 degrees" in finding.remedy
+    assert said(60) == []
 
 
 def test_a_wrap_on_next_to_nothing_is_refused() -> None:

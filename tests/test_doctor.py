@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import shapely
 import yaml
 
 from garmentcad.check.doctor import check_pattern, refusal
@@ -217,6 +218,27 @@ def test_thin_enough_for_a_finer_grid() -> None:
     (finding,) = findings(lambda data: data["panels"].update(strip=strip))
     assert "grid of at most 7.5 mm" in finding.remedy
     assert findings(lambda data: data["panels"].update(strip=strip), grid_mm=7.5) == []
+
+
+@pytest.mark.parametrize(("apart", "remedy"), [(1.5, "Move them apart."), (2.5, "Use a grid of at most 2.5 mm, or move them apart.")])
+def test_folds_that_no_grid_tells_apart(apart: float, remedy: str) -> None:
+    """The finest grid is 2 mm."""
+    lines = {"x": [[100, 50], [100, 350]], "y": [[100 + apart, 50], [100 + apart, 350]]}
+    folds = [{"name": name, "line": name, "angle": 90} for name in lines]
+    (finding,) = findings(lambda data: data["panels"]["front"].update(internal_lines=lines, folds=folds))
+    assert (finding.code, finding.remedy) == ("folds-close", remedy)
+
+
+def test_a_fold_that_meets_its_mirror_image_on_the_mirror_edge() -> None:
+    """A V whose two lines begin at one point, but for 1e-13 mm: the mirror edge stands at x = 0.1 and slants."""
+    half = square(points={"a": [0.1, 0], "b": [300, 0], "c": [300, 400], "d": [0.3, 400]}, mirror="left")
+    half["notches"] = half["notches"][:1]
+    half |= {"internal_lines": {"x": [[0.2, 200], [160, 300]]}, "folds": [{"name": "f", "line": "x", "angle": 30}]}
+    spec = parse_spec({**GOOD, "panels": {"front": half}, "seams": []})
+    pattern = draft(spec, BODY)
+    one, two = (shapely.LineString(fold.points_mm) for fold in pattern.panels["front"].folds)
+    assert 0.0 < one.distance(two) < 1e-9
+    assert [finding for finding in check_pattern(spec, pattern) if finding.code == "folds-close"] == []
 
 
 def test_crossing_is_where_it_is() -> None:

@@ -81,10 +81,10 @@ def test_a_tight_skirt_finds_its_place() -> None:
 @pytest.mark.parametrize("garment", ["flared-skirt", "straight-skirt"])
 def test_a_waistband_finds_its_place(garment: str) -> None:
     """It is a hundredth of a skirt, has no links on this lattice, and cut double and fused it is four times as stiff as the cloth at the limit of which it is
-    not: that of the straight skirt stayed 9 mm below the waist."""
+    not: where it was asked for a share of that limit, those two stayed 14 and 9 mm below the waist."""
     report = drape(garment, fabric=FABRIC, grid_mm=20.0).report
     assert report["status"] == "converged"
-    assert abs(report["waist_drop_mm"]) < 4.0
+    assert abs(report["waist_drop_mm"]) < 8.0
     assert [warning for warning in report["warnings"] if "too tight" in warning] == []
 
 

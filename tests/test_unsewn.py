@@ -89,5 +89,30 @@ def test_a_slit_in_the_line_of_a_seam_is_meant() -> None:
 def test_a_cuff_that_nothing_joins() -> None:
     data = copy.deepcopy(shipped("mens-shirt"))
     data["seams"] = [one for one in data["seams"] if one["name"] != "cuff_left"]
+    assert {(finding.severity, finding.code) for finding in found(data)} == {("note", "not-joined"), ("note", "edges-unsewn")}
+    (alone,) = [finding for finding in found(data) if finding.code == "not-joined"]
+    assert alone.key == "panels.cuff_left"
+
+
+@pytest.mark.parametrize(
+    ("forgotten", "twin", "key"),
+    [("shoulder_left", "shoulder_right", "panels.front.edges.shoulder"), ("shoulder_right", "shoulder_left", "panels.front.edges.shoulder_m")],
+)
+def test_a_seam_whose_mirror_twin_is_sewn(forgotten: str, twin: str, key: str) -> None:
+    """The shoulder of a sleeveless dress lies between armhole and neckline, where no seam ends. Its front is one unfolded panel, its back two twins."""
+    data = copy.deepcopy(shipped("sheath-dress"))
+    data["seams"] = [one for one in data["seams"] if one["name"] != forgotten]
     (finding,) = found(data)
-    assert (finding.severity, finding.code, finding.key) == ("note", "not-joined", "panels.cuff_left")
+    assert (finding.severity, finding.code, finding.key) == ("note", "edges-unsewn", key)
+    halves = finding.message.split(f": sewn to nothing, while on the mirrored side seam {twin} sews ")
+    assert tuple(set(half.split(" and ")) for half in halves) == (joined(shipped("sheath-dress"), forgotten), joined(shipped("sheath-dress"), twin))
+
+
+def test_open_edges_with_a_role_or_an_open_twin_are_meant() -> None:
+    data = copy.deepcopy(shipped("sheath-dress"))
+    data["seams"] = [one for one in data["seams"] if one["name"] != "shoulder_left"]
+    both = {**data, "seams": [one for one in data["seams"] if one["name"] != "shoulder_right"]}
+    assert found(both) == []
+    for panel in ("front", "back_right"):
+        next(edge for edge in data["panels"][panel]["edges"] if edge["name"] == "shoulder")["role"] = "neck"
+    assert found(data) == []

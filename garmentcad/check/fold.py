@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import shapely
 
 from garmentcad.check.finding import Finding
+from garmentcad.cloth.lattice import GRID_MM
 from garmentcad.pattern.pattern import Panel
 
 _OUTSIDE_MM = 0.5
@@ -37,11 +38,12 @@ def check_folds(panel: Panel, polygon: shapely.Polygon, grid_mm: float, file: st
     for k, name in enumerate(names):
         for other in names[k + 1 :]:
             distance = lines[name].distance(lines[other])
-            if 0.0 < distance < _FOLDS_APART * grid_mm:
+            if _SAME_LINE_MM < distance < _FOLDS_APART * grid_mm:  # nearer ones meet, as a fold does its mirror image up to rounding
+                finest = distance / _FOLDS_APART
                 yield Finding(
                     "warning", "folds-close", file, f"{key}.folds.{name}",
                     f"fold {other} is {distance:.1f} mm away, less than a grid of {grid_mm:g} mm",
-                    f"Use a grid of at most {distance / _FOLDS_APART:.1f} mm, or move them apart.",
+                    "Move them apart." if finest < GRID_MM[0] else f"Use a grid of at most {finest:.1f} mm, or move them apart.",
                 )  # fmt: skip
                 continue
             along = lines[name].intersection(lines[other].buffer(_SAME_LINE_MM)).length

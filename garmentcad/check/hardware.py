@@ -7,11 +7,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from garmentcad.analysis.inside import SHALLOW_M
 from garmentcad.analysis.penetration import signed_distances
 from garmentcad.check.body_part import HURTS_PA
 from garmentcad.check.doctor import refusal
 from garmentcad.check.finding import Finding
-from garmentcad.check.placement import SHALLOW_M
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.locate import located
 from garmentcad.cloth.weld import weld

@@ -24,14 +24,15 @@ def seams_turned_over(pattern: Pattern) -> list[str]:
         return over[panel]
 
     found = []
-    for seam in sorted((seam for seam in pattern.seams if seam.caught_in is None), key=_alike):
+    for seam in sorted((seam for seam in pattern.seams if seam.caught_in is None), key=alike):
         a, b = (place(side[0].panel) for side in (seam.a, seam.b))
         if a[0] != b[0]:
-            over[a[0]] = (b[0], (a[1] != b[1]) != _alike(seam))
-        elif (a[1] != b[1]) != _alike(seam):
+            over[a[0]] = (b[0], (a[1] != b[1]) != alike(seam))
+        elif (a[1] != b[1]) != alike(seam):
             found.append(seam.name)
     return found
 
 
-def _alike(seam: Seam) -> bool:
+def alike(seam: Seam) -> bool:
+    """Whether a seam runs along both outlines alike: of two panels that lie the same way up, both would lie on the same side of it."""
     return seam.a[0].reverse == seam.b[0].reverse

@@ -8,9 +8,10 @@ from itertools import combinations
 import numpy as np
 
 from garmentcad.analysis.clearance import Move
+from garmentcad.analysis.inside import SHALLOW_M, place_inside, remedy_inside
 from garmentcad.analysis.penetration import signed_distances
 from garmentcad.check.finding import Finding
-from garmentcad.check.one_sided import seams_turned_over
+from garmentcad.check.one_sided import alike, seams_turned_over
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.geometry.intersection import crossing_owners, crossing_triangle_pairs
 from garmentcad.mannequin.mannequin import Mannequin
@@ -22,7 +23,6 @@ _FAR_M = 1.0  # panels of GarmentCode start up to half a metre away
 _CROSSED = -0.8  # cosine between ways that go against each other: from one seam to the other along both of their sides, and along both sides of one seam
 _APART_M = 0.050  # seams nearer to each other say nothing
 _STRAIGHT = 0.7  # of the length of a side, between its ends
-SHALLOW_M = 0.010  # contact pushes shallower points out gently while the seams close
 
 
 def check_moves(moves: list[Move], file: str | None = None) -> Iterator[Finding]:
@@ -41,11 +41,12 @@ def check_placement(cloth: Cloth, positions: np.ndarray, mannequin: Mannequin, f
         mine = cloth.vertex_panel == index
         inside = mine & (depth > 0.0)
         if inside.any():
-            deepest = float(depth[inside].max())
+            deepest, remedy = float(depth[inside].max()), remedy_inside(positions[inside], mannequin)
             yield Finding(
                 "error" if deepest > SHALLOW_M else "warning", "panel-inside-body", file, f"panels.{name}.placement",
-                f"{int(inside.sum())} of {int(mine.sum())} points start inside {mannequin.name}, up to {deepest * M_TO_MM:.0f} mm deep",
-                "Enlarge the offset or the scale of the placement, or move the panel; a few mm are pushed out while the seams close.",
+                f"{int(inside.sum())} of {int(mine.sum())} points start inside {mannequin.name}, up to {deepest * M_TO_MM:.0f} mm deep, "
+                f"{place_inside(positions[inside], mannequin)}",
+                f"{remedy[0].upper()}{remedy[1:]}; a few mm are pushed out while the seams close.",
             )  # fmt: skip
     owner = cloth.vertex_panel[cloth.triangles[:, 0]]
     others = crossing_owners(positions, cloth.triangles, owner)
@@ -155,8 +156,13 @@ def _at(pattern: Pattern, cloth: Cloth, positions: np.ndarray, seam: Seam, first
 
 
 def check_crossed(pattern: Pattern, cloth: Cloth, positions: np.ndarray, file: str | None = None) -> Iterator[Finding]:
-    """Two seams of one panel that cross over as placed, at (V,3) m: from the middle of the first to that of the second its partners lie the other way."""
-    middles = []
+    """Two seams of one panel that cross over as placed, at (V,3) m: from the middle of the first to that of the second its partners lie the other way.
+
+    Where partners meet, as beside a godet, the middles of the panels count, and only for seams that run along both outlines alike: sewn so, what is let in
+    would lie on its face. A lining or a facing is sewn alike too, but its partners do not lie the other way.
+    """
+    middles, over = [], {seam.name for seam in pattern.seams if alike(seam) and seam.caught_in is None}
+    panel_middles = {name: positions[cloth.vertex_panel == index].mean(axis=0) for index, name in enumerate(cloth.panel_names)}
     for seam in pattern.seams:
         if all(len({use.panel for use in side}) == 1 for side in (seam.a, seam.b)) and seam.a[0].panel != seam.b[0].panel:
             middles.append((seam.name, {side[0].panel: _placed(pattern, cloth, positions, side, 0.5) for side in (seam.a, seam.b)}))
@@ -166,6 +172,8 @@ def check_crossed(pattern: Pattern, cloth: Cloth, positions: np.ndarray, file: s
             continue
         (partner, a), (other, b) = (next((name, place) for name, place in sides.items() if name != shared) for sides in (first, second))
         along, across = second[shared] - first[shared], b - a
+        if np.linalg.norm(across) <= _APART_M and over.issuperset((one, two)):
+            across = panel_middles[other] - panel_middles[partner]
         lengths = float(np.linalg.norm(along)), float(np.linalg.norm(across))
         if min(lengths) > _APART_M and along @ across < _CROSSED * lengths[0] * lengths[1]:
             given = np.linalg.norm(first[shared] - a), np.linalg.norm(second[shared] - b)

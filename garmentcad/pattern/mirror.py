@@ -83,7 +83,7 @@ def mirrored_panel(panel: Panel, name: str, placement: Wrap | Transform) -> Pane
     point, direction = (0.0, 0.0), (0.0, 1.0)
     image = _mirrored(panel, point, direction, lambda text: text, "")
     edges = [mirror_edge(edge, point, direction, lambda text: text, "") for edge in reversed(panel.edges)]
-    return replace(image, name=name, edges=finish_loop(edges), grain_deg=-panel.grain_deg, placement=placement)
+    return replace(image, name=name, edges=finish_loop(edges), grain_deg=-panel.grain_deg, placement=placement, mirrored_from=panel.name)
 
 
 def _direction(line: Line) -> Point:

@@ -99,7 +99,7 @@ class Transform:
 @dataclass(frozen=True)
 class Panel:
     """A panel. `edges` is a closed counter-clockwise loop seen on the right side of the fabric; `holes` are clockwise loops. interfacing: fused to all of it
-    that is in no region; regions name their own."""
+    that is in no region; regions name their own. mirrored_from: the panel whose left-right twin it was made as."""
 
     name: str
     edges: tuple[Edge, ...]
@@ -115,6 +115,7 @@ class Panel:
     internal_lines: dict[str, np.ndarray] = field(default_factory=dict)  # name -> (N,2) mm
     drill_holes: dict[str, tuple[float, float]] = field(default_factory=dict)
     points: dict[str, tuple[float, float]] = field(default_factory=dict)
+    mirrored_from: str | None = None
 
 
 @dataclass(frozen=True)

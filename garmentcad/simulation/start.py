@@ -6,14 +6,14 @@ from collections.abc import Collection
 
 import numpy as np
 
+from garmentcad.analysis.inside import SHALLOW_M, place_inside, remedy_inside
 from garmentcad.analysis.penetration import signed_distances
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.errors import TangledError
 from garmentcad.geometry.intersection import crossing_triangle_pairs
 from garmentcad.mannequin.mannequin import Mannequin
+from garmentcad.units import M_TO_MM
 
-# Contact pushes shallow points out gently while the seams close.
-SHALLOW_M = 0.010
 LISTED = 5
 
 
@@ -25,12 +25,13 @@ def refuse_tangled(cloth: Cloth, positions: np.ndarray, mannequin: Mannequin, wo
     depth = -signed_distances(vertex_positions, mannequin.vertices, mannequin.faces)
     deep = (depth > SHALLOW_M) & ~hangs
     if deep.any():
-        named = [
-            f"{name}: {int((deep & (cloth.vertex_panel == index)).sum())} points, {1e3 * float(depth[cloth.vertex_panel == index].max()):.0f} mm"
-            for index, name in enumerate(cloth.panel_names)
-            if (deep & (cloth.vertex_panel == index)).any()
-        ]
-        raise TangledError(f"panels start inside mannequin {mannequin.name} ({'; '.join(named)}); enlarge the placement's offset or move it", key="panels")
+        named = []
+        for index in np.unique(cloth.vertex_panel[deep]):
+            mine = deep & (cloth.vertex_panel == index)
+            place = place_inside(vertex_positions[mine], mannequin)
+            named.append(f"{panels[index]}: {int(mine.sum())} points, up to {M_TO_MM * float(depth[mine].max()):.0f} mm deep, {place}")
+        remedy = remedy_inside(vertex_positions[deep], mannequin)
+        raise TangledError(f"panels start inside mannequin {mannequin.name} ({'; '.join(named)}); {remedy}", key="panels")
     pairs = [pair for pair in crossing_triangle_pairs(positions, cloth.particle_triangles) if not hangs[cloth.triangles[pair, 0]].all()]
     if len(pairs):
         owner = panels[cloth.vertex_panel[cloth.triangles[:, 0]]]
