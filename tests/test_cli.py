@@ -83,7 +83,7 @@ def test_body_of_measurements_is_made_and_read_again(tmp_path: Path) -> None:
         (("compare", "nowhere", "elsewhere"), "report.json"),
         (("fabric", "show", "tweed"), "wool-tropical"),
         (("fabric", "fit", "no-such.csv", "-o", "x.yaml"), "no-such.csv"),
-        (("fabric", "fit", "no-such.csv", "-o", "x.csv"), ".yaml is allowed"),
+        (("fabric", "fit", "no-such.csv", "-o", "x.csv"), "allowed are .yaml, .yml"),
         (("fabric", "fit", "no-such.csv", "-o", ".yaml"), ".yaml: --out: a name is wanted before the ending .yaml"),
     ],
 )
