@@ -278,6 +278,7 @@ def test_gathers_against_the_fabric() -> None:
         ({"W": 5}, "note", "W", "times 5, W is 93.5 mg/cm2; a sheet may have 1 to 90 mg/cm2"),
         ({"W": 20}, "warning", "W", "times 20, W is 374 mg/cm2; a sheet may have 1 to 90 mg/cm2"),
         ({"EMT": 100, "G": 2}, "warning", "EMT", "a sheet may have 0.2 to 150 %"),
+        ({"Fm": 100}, "warning", "Fm", "times 100, Fm is 5000 gf/cm; a sheet may have 10 to 1000 gf/cm"),
         ({"B.warp": 1e-3}, "warning", "B.warp", "times 0.001, B.warp is "),
     ],
 )
@@ -288,7 +289,7 @@ def test_a_factor_that_takes_a_value_out_of_the_range_of_a_sheet_is_found(factor
     found = [finding for finding in examine(parse_spec(data, "tube.yaml")) if finding.code == "factor-out-of-range"]
     assert [(finding.severity, finding.key) for finding in found] == [(severity, f"panels.front.regions.0.factors.{key}")]
     assert said in found[0].message
-    data["panels"]["front"]["regions"][0]["factors"] = {"W": 2, "Fm": 4, "EMT": 0.5, "B": 4}
+    data["panels"]["front"]["regions"][0]["factors"] = {"W": 2, "Fm": 40, "EMT": 0.5, "B": 4}
     assert "factor-out-of-range" not in {finding.code for finding in examine(parse_spec(data, "tube.yaml"))}
 
 

@@ -95,7 +95,7 @@ BAD = [
     pytest.param(lambda x, y: (x, np.where(np.arange(len(x)) > 200, 1.75 * y, y)), "the way back gives", id="gain"),
     pytest.param(lambda x, y: (x, -y), "does not grow", id="sign"),
     pytest.param(lambda x, y: (-x, y), "the strain falls first", id="compression"),
-    pytest.param(lambda x, y: (np.tile(x, 2), np.concatenate([y, 0.6 * y])), "at sample 401 the strain grows again; one loop", id="two loops"),
+    pytest.param(lambda x, y: (np.tile(x, 2), np.concatenate([y, 0.6 * y])), "at sample 402 the strain grows again; one loop", id="two loops"),
 ]
 
 

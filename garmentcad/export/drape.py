@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from pathlib import Path
 
+from garmentcad.analysis.clearance import clearing_moves, move_panels
 from garmentcad.analysis.run_record import Mode
 from garmentcad.check.placement import check_twists
 from garmentcad.check.seam import check_seams
@@ -25,7 +26,7 @@ from garmentcad.simulation.job import Job, make_job
 from garmentcad.simulation.materials import lay_out
 from garmentcad.simulation.movement import move
 from garmentcad.simulation.record import record
-from garmentcad.simulation.run import Outcome, run
+from garmentcad.simulation.run import Outcome, grids_of, run
 
 
 def drape(
@@ -89,8 +90,9 @@ def finish(job: Job, look: Callable[[Progress], None], folder: Path | None, resu
 def _seam_errors(job: Job) -> list[str]:
     """What the pattern doctor calls an error of the seams: it can be draped all the same, and what comes to rest clean may still be wrong."""
     materials, material_of = lay_out(job)
-    cloth = build_cloth(job.pattern, material_of, materials, job.grid_mm)
+    cloth = build_cloth(job.pattern, material_of, materials, grids_of(job)[0])  # the coarsest on which the garment is sewn
     positions = place_vertices(job.pattern, cloth, job.mannequin)
+    positions = move_panels(cloth, positions, clearing_moves(job.pattern, cloth, positions, job.mannequin))
     found = [*check_seams(job.pattern, job.spec.file), *check_twists(job.pattern, cloth, positions, job.spec.file)]
     return [f"`garmentcad check` finds an error: {one.key}: {one.message} [{one.code}]" for one in found if one.severity == "error"]
 

@@ -99,7 +99,8 @@ def _end(loop: RecordedLoop) -> dict[str, float]:
     if out.direction < 0.0:
         raise loop.refuse("the strain falls first")
     if len(loop.turns) > 3:
-        raise loop.refuse(f"at sample {loop.turns[2] + 1} the strain grows again; one loop in a column is allowed")
+        growing = loop.turns[2] + int(np.argmax(loop.x[loop.turns[2] :] > loop.x[loop.turns[2]]))
+        raise loop.refuse(f"at sample {growing} the strain grows again; one loop in a column is allowed")
     start, top = out.x[0], out.x.max()
     first = out.x <= start + START * (top - start)
     if first.sum() < LEAST:

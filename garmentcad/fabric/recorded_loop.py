@@ -30,7 +30,7 @@ CLIPPED = 0.05  # share of the way over which the force or moment stands still a
 MOST_DECIMALS = 5  # to which a record may be printed so that it counts as rounded
 STANDS_ON = 3.0  # steps: a curve printed in few steps stands on each; on the last one no longer than on so many
 COPIES = 60  # evaluations with the noise added once more
-MOST_READ = 0.8  # share of them that must be readable
+LEAST_READ = 0.8  # share of them that must be readable
 SIGMAS = 3.0
 
 
@@ -197,7 +197,7 @@ def spread_by_noise(loop: RecordedLoop, values: Callable[[RecordedLoop], dict[st
     for _ in range(COPIES):
         with suppress(FabricError):
             copies.append(values(loop._replace(y=loop.y + random.normal(0.0, noise, len(loop.y)))))
-    if len(copies) < MOST_READ * COPIES:
+    if len(copies) < LEAST_READ * COPIES:
         raise loop.refuse(f"its noise of {noise:.2g} is too large: with as much once more {COPIES - len(copies)} of {COPIES} copies cannot be read")
     return {key: SIGMAS * float(np.std([copy[key] for copy in copies], ddof=1)) for key in copies[0]}
 

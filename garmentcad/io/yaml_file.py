@@ -52,7 +52,7 @@ def read_bytes(path: str | Path, max_bytes: int = MAX_BYTES) -> bytes:
 def refuse_no_yaml(path: str | Path, key: str | None = None) -> None:
     """InputError where what is to be written as YAML would have another ending, by which no reader would know it. key: what named the file."""
     path = Path(path)
-    if path.name and path.suffix.lower() not in ENDINGS:
+    if path.name and path.suffix not in ENDINGS:
         raise InputError(f"cannot write '{path.suffix or path.name}'; allowed are {', '.join(ENDINGS)}", file=str(path), key=key)
 
 
