@@ -86,3 +86,15 @@ def test_what_was_torn_at_has_a_record() -> None:
     outcome.dynamics.start(outcome.state)
     made, _ = record(outcome)
     assert made.rest["residual_g_rms"] is None
+
+
+def test_what_crosses_the_body_says_where() -> None:
+    outcome = stopped_at(0.2)
+    assert not any("the body" in warning for warning in record(outcome)[0].warnings)
+    outcome.state.positions[:, 2] += 0.1
+    made, _ = record(outcome)
+    assert made.status == "intersecting"
+    (said,) = (warning for warning in made.warnings if warning.startswith("the cloth crosses the body ("))
+    assert "(torso" in said
+    assert "of 'back_left' at (" in said
+    assert "of 'back_right' at (" in said

@@ -104,13 +104,27 @@ def test_a_movement_that_diverges_is_judged_up_to_there(tmp_path: Path, monkeypa
     given, body = result(), cylinder_body()
     frames = np.stack([given.state.positions, given.state.positions - [0.0, 0.01, 0.0], given.state.positions])
     frames[2, 5] = np.nan
-    moved = Movement(np.array([0.0, 0.05, 0.1]), frames, np.stack([body.vertices] * 3), given.state, "diverged", "too fast")
+    moved = Movement(np.array([0.0, 0.05, 0.1]), frames, np.stack([body.vertices] * 3), given.state, "diverged", "too fast", 2.5)
     report = movement.movement_report(moved, given.cloth, body, None)  # type: ignore[arg-type]
     assert (report["status"], report["seconds"], report["self_intersections"], report["waist_slip_mm"]) == ("diverged", 0.1, 0, 10.0)
     last = {"time_s": 0.1, "self_intersections": None, "mannequin_intersections": None, "mannequin_penetration_mm": None, "waist_slip_mm": None}
     assert report["frames"][2] == last
+    assert (report["warning"], report["wall_time_s"]) == ("too fast", 2.5)
     movement.write_movement(tmp_path, moved, given.cloth, body)
     assert [exhibit.title for exhibit in drawn] == ["0.00 s", "0.05 s"]
+
+
+def test_a_movement_that_crosses_the_body_says_when_and_where(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(movement, "edge_roles", lambda pattern: {})
+    given, body = result(), cylinder_body()
+    frames = np.stack([given.state.positions] * 4)
+    frames[1:3, :, [0, 2]] *= [[[0.119 / 0.13]], [[0.118 / 0.13]]]  # the body's radius is 0.12
+    moved = Movement(0.05 * np.arange(4), frames, np.stack([body.vertices] * 4), given.state, "moved", None, 2.5)
+    report = movement.movement_report(moved, given.cloth, body, None)  # type: ignore[arg-type]
+    assert report["status"] == "intersecting"
+    assert report["warning"].startswith("after 0.05 s of the movement the cloth ")
+    assert "'front' at (" in report["warning"]
+    assert report["mannequin_penetration_mm"] == report["frames"][2]["mannequin_penetration_mm"] > 1.0
 
 
 @pytest.mark.usefixtures("no_view")

@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 
 from garmentcad.analysis.carried import slip_mm
-from garmentcad.analysis.penetration import penetration_mm
+from garmentcad.analysis.contact_faults import contact_faults
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.export.picture import ViewMissing, write_picture
 from garmentcad.export.side_by_side import Exhibit, draw_side_by_side
-from garmentcad.geometry.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
 from garmentcad.io.atomic import write_atomic
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.pattern import Pattern, edge_roles
@@ -22,31 +21,33 @@ from garmentcad.simulation.movement import Movement
 _SHOWN = 6  # frames in the picture
 _PICTURE_PX = 700
 _DIGITS = 6
-_FAULTS = ("self_intersections", "mannequin_intersections", "mannequin_penetration_mm")
+_MEASURED = ("self_intersections", "mannequin_intersections", "mannequin_penetration_mm", "waist_slip_mm")
 
 
 def movement_report(movement: Movement, cloth: Cloth, mannequin: Mannequin, pattern: Pattern) -> dict[str, Any]:
     """What `report.json` says under `movement`: largest values over all frames, and a row a frame.
 
-    status: moved (to the end, every frame clean), intersecting (penetration included) or diverged. self_intersections, mannequin_intersections: triangle pairs.
+    status: moved (to the end, every frame clean), intersecting (penetration included) or diverged. seconds: simulated; wall_time_s: what that took.
+    warning: why it broke off, or where the first frame that is not clean crosses. self_intersections, mannequin_intersections: triangle pairs.
     waist_slip_mm: how far edges with the role `waist` came down on the body since the first frame, None without such edges.
     Of a frame that is not finite, at which the movement diverged, nothing is measured: all None.
     """
     slips = slip_mm(cloth, movement.positions, movement.body, edge_roles(pattern))
     rows: list[dict[str, Any]] = []
+    status, warning = movement.status, movement.warning
     for k, (time_s, positions, body) in enumerate(zip(movement.times_s, movement.positions, movement.body, strict=True)):
-        triangles = cloth.particle_triangles
-        row = {"time_s": round(float(time_s), _DIGITS), **dict.fromkeys((*_FAULTS, "waist_slip_mm"))}
-        measured = {} if not np.isfinite(positions).all() else {
-            "self_intersections": len(crossing_triangle_pairs(positions, triangles)),
-            "mannequin_intersections": len(crossing_triangle_pairs_between(positions, triangles, body, mannequin.faces)),
-            "mannequin_penetration_mm": round(penetration_mm(positions, triangles, body, mannequin.faces), _DIGITS),
-            "waist_slip_mm": None if slips is None else round(float(slips[k]), _DIGITS),
-        }  # fmt: skip
-        rows.append(row | measured)
-    worst = {key: max((row[key] for row in rows if row[key] is not None), default=None) for key in (*_FAULTS, "waist_slip_mm")}
-    status = "intersecting" if movement.status == "moved" and any(worst[key] for key in _FAULTS) else movement.status
-    return {"status": status, "seconds": rows[-1]["time_s"], "warning": movement.warning, **worst, "frames": rows}
+        row = {"time_s": round(float(time_s), _DIGITS), **dict.fromkeys(_MEASURED)}
+        rows.append(row)
+        if not np.isfinite(positions).all():
+            continue
+        faults = contact_faults(cloth, positions, mannequin, body)
+        slip = None if slips is None else round(float(slips[k]), _DIGITS)
+        values = (faults.self_intersections, faults.mannequin_intersections, round(faults.mannequin_penetration_mm, _DIGITS), slip)
+        row |= zip(_MEASURED, values, strict=True)
+        if faults and status == "moved":
+            status, warning = "intersecting", f"after {time_s:.2f} s of the movement {'; '.join(faults.said)}"
+    worst = {key: max((row[key] for row in rows if row[key] is not None), default=None) for key in _MEASURED}
+    return {"status": status, "seconds": rows[-1]["time_s"], "wall_time_s": movement.wall_s, "warning": warning, **worst, "frames": rows}
 
 
 def write_movement(folder: Path, movement: Movement, cloth: Cloth, mannequin: Mannequin) -> tuple[list[Path], list[str]]:

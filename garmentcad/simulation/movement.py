@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
@@ -26,7 +27,7 @@ HOLD_S = 0.5  # after the last key frame: the garment swings out
 class Movement:
     """What became of a movement. times_s (K,) from its beginning; positions (K,P,3) m of the particles and body (K,V,3) m of the body's vertices at them.
 
-    status: 'moved' to the end, or 'diverged' or 'intersecting' where it broke off; warning: why. state: the last one.
+    status: 'moved' to the end, or 'diverged' or 'intersecting' where it broke off; warning: why. state: the last one. wall_s: what it took.
     """
 
     times_s: np.ndarray
@@ -35,6 +36,7 @@ class Movement:
     state: State
     status: str
     warning: str | None
+    wall_s: float
 
 
 def move(outcome: Outcome, frames: Sequence[KeyFrame], look: Callable[[Progress], None]) -> Movement:
@@ -43,6 +45,7 @@ def move(outcome: Outcome, frames: Sequence[KeyFrame], look: Callable[[Progress]
 
     MannequinError for a body that cannot be posed, or a pose that is refused.
     """
+    started = time.perf_counter()
     times, vertices = motion(outcome.job.mannequin, frames)
     state = deepcopy(outcome.state)
     began = state.time_s
@@ -71,4 +74,4 @@ def move(outcome: Outcome, frames: Sequence[KeyFrame], look: Callable[[Progress]
         status, warning = error.status, f"after {state.time_s - began:.2f} s of the movement: {error}"
         kept.append((state.time_s - began, state.positions.copy(), path.at(state.time_s)))
     moments, positions, bodies = zip(*kept, strict=True)
-    return Movement(np.array(moments), np.array(positions), np.array(bodies), state, status, warning)
+    return Movement(np.array(moments), np.array(positions), np.array(bodies), state, status, warning, time.perf_counter() - started)

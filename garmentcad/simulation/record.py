@@ -10,10 +10,10 @@ import numba
 import numpy as np
 
 from garmentcad import __version__
+from garmentcad.analysis.contact_faults import contact_faults
 from garmentcad.analysis.folds import fold_lines
 from garmentcad.analysis.measures import Measures, measure
 from garmentcad.analysis.on_body import on_body
-from garmentcad.analysis.penetration import penetration_mm
 from garmentcad.analysis.run_record import BAND_KEYS, RunRecord, Status
 from garmentcad.analysis.seam_tension import SeamTension, seam_tension
 from garmentcad.cloth.state import State
@@ -23,7 +23,6 @@ from garmentcad.forces.band import ForceBand
 from garmentcad.forces.button import ForceButton
 from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
-from garmentcad.geometry.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.pattern import Pattern, edge_roles
 from garmentcad.placement.place import place_vertices
@@ -44,15 +43,12 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
     """Judge and measure the final state of a run."""
     job, cloth, state, body = outcome.job, outcome.cloth, outcome.state, outcome.job.mannequin
     finite = bool(np.isfinite(state.positions).all())
-    crossings = touching = depth = worn = seams = None
+    faults = worn = seams = None
     status: Status = outcome.status  # type: ignore[assignment]
     if finite:
-        triangles = cloth.particle_triangles
-        crossings = len(crossing_triangle_pairs(state.positions, triangles))
-        touching = len(crossing_triangle_pairs_between(state.positions, triangles, body.vertices, body.faces))
         worn = on_body(cloth, outcome.materials, body, state.positions, outcome.dynamics.net_forces(state))
-        depth = penetration_mm(state.positions, triangles, body.vertices, body.faces, worn.distance_m)
-        if crossings or touching or depth > 0.0:
+        faults = contact_faults(cloth, state.positions, body, distances=worn.distance_m)
+        if faults:
             status = "intersecting"
     elif status == "converged":
         status = "diverged"
@@ -65,6 +61,7 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
     if finite:
         seams = _seams(outcome)
     fallen = _fallen(state, body) if finite else []
+    crossed = () if faults is None else faults.said
     repairs = [f"mannequin {body.name}: {repair}" for repair in body.repairs]
     made = RunRecord(
         garment=job.pattern.name,
@@ -93,9 +90,9 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
             "speed_m_s": {name: speed for name, (_, speed) in held.items()},
         },
         seam_gap_mm=widest,
-        mannequin_penetration_mm=depth,
-        self_intersections=crossings,
-        mannequin_intersections=touching,
+        mannequin_penetration_mm=None if faults is None else faults.mannequin_penetration_mm,
+        self_intersections=None if faults is None else faults.self_intersections,
+        mannequin_intersections=None if faults is None else faults.mannequin_intersections,
         energy_j={
             "stretch": _sum(energy, "stretch", "border"),
             "shear": energy.get("shear"),
@@ -108,7 +105,7 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
         },
         bands=_bands(outcome) if finite else {},
         uncalibrated=not all(is_calibrated(completed.sheet) for completed in job.fabrics.values()),
-        warnings=(*outcome.warnings, *_undone(job.pattern, held), *_torn(job.pattern, seams or {}), *fallen, *repairs, *_of_sheets(job)),
+        warnings=(*outcome.warnings, *crossed, *_undone(job.pattern, held), *_torn(job.pattern, seams or {}), *fallen, *repairs, *_of_sheets(job)),
     )
     roles = edge_roles(job.pattern)
     placed = place_vertices(job.pattern, cloth, body)
