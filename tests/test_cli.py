@@ -64,6 +64,8 @@ def test_body_of_measurements_is_made_and_read_again(tmp_path: Path) -> None:
         (("drape", "flared-skrit"), "did you mean"),
         (("drape", "flared-skirt", "--grid", "0.5"), "--grid: grid of 0.5 mm; 2 to 50 mm"),
         (("drape", "flared-skirt", "--max-time", "nan"), "--max-time"),
+        (("drape", "flared-skirt", "--max-particles", "0"), "--max-particles: 0 particles; a positive whole number"),
+        (("drape", "flared-skirt", "--max-particles", "50"), "at most 50 particles are allowed"),
         (("drape", "flared-skirt", "--seed", "-1"), "--seed"),
         (("drape", "tucked-in", "--set", "length=1"), "--set: an outfit has values"),
         (("drape", "flared-skirt", "--fabric", "no-such.yaml"), "no-such.yaml"),

@@ -14,7 +14,7 @@ from garmentcad.cloth.lattice import build_cloth
 from garmentcad.cloth.weld import weld
 from garmentcad.pattern.pattern import EdgeUse, Seam
 from garmentcad.simulation.job import make_job
-from garmentcad.simulation.run import grids_of
+from garmentcad.simulation.lattices import grids_of
 
 MATERIALS = materials(0.12)
 LONG_MM = 300.0

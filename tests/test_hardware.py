@@ -32,8 +32,7 @@ from garmentcad.pattern.draft import draft
 from garmentcad.pattern.outfit import below, put_on
 from garmentcad.pattern.parse import parse_spec
 from garmentcad.placement.place import place_vertices
-from garmentcad.simulation import keeper
-from garmentcad.simulation import run as running
+from garmentcad.simulation import keeper, lattices
 from garmentcad.simulation.checkpoint import load_state
 from garmentcad.simulation.job import Job
 from garmentcad.simulation.materials import lay_out
@@ -445,8 +444,8 @@ class Stopped(Exception):
 
 def test_same_bits_for_two_threads_and_after_a_checkpoint(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """At 20 mm with 40 mm before it, so that states go through weld, and from lattice to lattice."""
-    monkeypatch.setattr(running, "COARSEST_MM", 40.0)
-    monkeypatch.setattr(running, "FEWEST_CELLS", 1.0)
+    monkeypatch.setattr(lattices, "COARSEST_MM", 40.0)
+    monkeypatch.setattr(lattices, "FEWEST_CELLS", 1.0)
     monkeypatch.setattr(keeper, "CHECKPOINT_EVERY_S", 0.0)
     made = job(everything, max_time_s=1.8)
     found = []

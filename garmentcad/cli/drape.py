@@ -41,6 +41,7 @@ def drape(
     threads: Annotated[int | None, typer.Option(help="Threads; the result does not depend on them.", min=1, max=64)] = None,
     seed: Annotated[int, typer.Option(help="Of the 0.01 mm jitter of the start.")] = 0,
     max_time: Annotated[float, typer.Option(help="Most simulated seconds.")] = 12.0,
+    max_particles: Annotated[int | None, typer.Option(help="A lattice of more is refused (a million); each takes about 2 kB.")] = None,
     mode: Annotated[Mode, typer.Option(help="drape: the shape at rest; dynamics: true masses and light damping.")] = Mode.drape,
     solver: Annotated[Solver, typer.Option(help="How the drape is solved.")] = Solver.steps,
     pose: Annotated[
@@ -57,6 +58,7 @@ def drape(
         allow_threads(threads)
     from numba.core import event
 
+    from garmentcad.cloth.panel_mesh import PARTICLE_CAP
     from garmentcad.export.drape import finish
     from garmentcad.simulation.job import make_job
 
@@ -64,7 +66,8 @@ def drape(
         set_threads(threads)
     named = named_numbers(values, "--set")
     with event.install_recorder("numba:compile") as compiled:
-        job = make_job(spec, fabric, mannequin, grid_mm=grid, seed=seed, mode=mode.value, max_time_s=max_time, pose=pose, values=named)
+        most = PARTICLE_CAP if max_particles is None else max_particles
+        job = make_job(spec, fabric, mannequin, grid_mm=grid, seed=seed, mode=mode.value, max_time_s=max_time, max_particles=most, pose=pose, values=named)
         folder = out if out is not None else Path("out") / job.pattern.name
         line = ProgressLine(quiet or as_json)
         result, written = finish(job, line.show, folder, resume)

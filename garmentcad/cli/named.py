@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from garmentcad.errors import InputError
 
 # What the library calls otherwise than the command line does.
-_OPTIONS = {"grid_mm": "grid", "max_time_s": "max-time", "values": "set", "lines": "line", "map_name": "map"}
+_OPTIONS = {"grid_mm": "grid", "max_time_s": "max-time", "max_particles": "max-particles", "values": "set", "lines": "line", "map_name": "map"}
 _SAME = {"fabric", "mannequin", "pose", "seed", "mode", "lays", "coarser", "case"}
 
 

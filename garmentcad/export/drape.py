@@ -11,6 +11,7 @@ from garmentcad.analysis.run_record import Mode
 from garmentcad.check.placement import check_twists
 from garmentcad.check.seam import check_seams
 from garmentcad.cloth.lattice import build_cloth
+from garmentcad.cloth.panel_mesh import PARTICLE_CAP
 from garmentcad.errors import InputError
 from garmentcad.export.movement import movement_report, write_movement
 from garmentcad.export.report import build_report
@@ -23,10 +24,11 @@ from garmentcad.pattern.spec import GarmentSpec
 from garmentcad.placement.place import place_vertices
 from garmentcad.simulation.course import Progress
 from garmentcad.simulation.job import Job, make_job
+from garmentcad.simulation.lattices import grids_of
 from garmentcad.simulation.materials import lay_out
 from garmentcad.simulation.movement import move
 from garmentcad.simulation.record import record
-from garmentcad.simulation.run import Outcome, grids_of, run
+from garmentcad.simulation.run import Outcome, run
 
 
 def drape(
@@ -38,6 +40,7 @@ def drape(
     seed: int = 0,
     mode: Mode = "drape",
     max_time_s: float = 12.0,
+    max_particles: int = PARTICLE_CAP,
     pose: str | Path | None = None,
     values: Mapping[str, float] | None = None,
     folder: str | Path | None = None,
@@ -50,7 +53,7 @@ def drape(
         refuse_unnamed(folder, "folder")
         if not str(folder):
             raise InputError("an empty text came; a folder is wanted", key="folder")
-    job = make_job(spec, fabric, mannequin, grid_mm=grid_mm, seed=seed, mode=mode, max_time_s=max_time_s, pose=pose, values=values)
+    job = make_job(spec, fabric, mannequin, grid_mm=grid_mm, seed=seed, mode=mode, max_time_s=max_time_s, max_particles=max_particles, pose=pose, values=values)
     return finish(job, lambda progress: None, None if folder is None else Path(folder))[0]
 
 
@@ -90,7 +93,7 @@ def finish(job: Job, look: Callable[[Progress], None], folder: Path | None, resu
 def _seam_errors(job: Job) -> list[str]:
     """What the pattern doctor calls an error of the seams: it can be draped all the same, and what comes to rest clean may still be wrong."""
     materials, material_of = lay_out(job)
-    cloth = build_cloth(job.pattern, material_of, materials, grids_of(job)[0])  # the coarsest on which the garment is sewn
+    cloth = build_cloth(job.pattern, material_of, materials, grids_of(job)[0], particle_cap=job.max_particles)  # the coarsest on which it is sewn
     positions = place_vertices(job.pattern, cloth, job.mannequin)
     positions = move_panels(cloth, positions, clearing_moves(job.pattern, cloth, positions, job.mannequin))
     found = [*check_seams(job.pattern, job.spec.file), *check_twists(job.pattern, cloth, positions, job.spec.file)]

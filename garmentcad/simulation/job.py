@@ -15,6 +15,7 @@ import numpy as np
 from garmentcad import __version__
 from garmentcad.analysis.run_record import Mode
 from garmentcad.cloth.lattice import check_grid
+from garmentcad.cloth.panel_mesh import PARTICLE_CAP
 from garmentcad.contact.path import BodyPath
 from garmentcad.errors import FileError, InputError
 from garmentcad.fabric.missing import Completed
@@ -52,6 +53,7 @@ class Job:
     folder: Path = field(default_factory=Path)  # of the spec, for references
     worn: tuple[GarmentSpec, ...] = ()
     poses: tuple[KeyFrame, ...] = ()  # that the body goes through once the garment hangs at rest
+    max_particles: int = PARTICLE_CAP  # a larger drape is refused
 
     @property
     def spec_sha256(self) -> str:
@@ -85,12 +87,14 @@ def make_job(
     seed: int = 0,
     mode: Mode = "drape",
     max_time_s: float = 12.0,
+    max_particles: int = PARTICLE_CAP,
     pose: str | Path | None = None,
     values: Mapping[str, float] | None = None,
 ) -> Job:
     """Read everything that a drape needs. spec: a shipped name, a file, or a model; fabric, mannequin: a shipped name, a file, or a sheet or body, in place of
     the spec's own; grid_mm: spacing of the lattice (2 to 50); seed: of the 0.01 mm jitter of the start; mode: 'drape' for the shape at rest, 'dynamics' for
-    motion with true masses; max_time_s: most simulated seconds (up to 600); pose: key frames, a shipped name or a file; values: of parameters, in place of
+    motion with true masses; max_time_s: most simulated seconds (up to 600); max_particles: more are
+    refused, by an estimate before anything is allocated; pose: key frames, a shipped name or a file; values: of parameters, in place of
     the spec's. InputError for anything that is refused."""
     grid_mm, max_time_s = as_number(grid_mm, "grid_mm", "a number of mm"), as_number(max_time_s, "max_time_s", "a number of simulated seconds")
     check_grid(grid_mm)
@@ -98,6 +102,8 @@ def make_job(
         raise InputError(f"{max_time_s:g} simulated seconds; more than 0 and at most 600 are allowed", key="max_time_s")
     if isinstance(seed, bool) or not isinstance(seed, Integral) or seed < 0:
         raise InputError(f"seed {shown(seed)}; 0 or a positive whole number is allowed", key="seed")
+    if isinstance(max_particles, bool) or not isinstance(max_particles, Integral) or max_particles < 1:
+        raise InputError(f"{shown(max_particles)} particles; a positive whole number is allowed", key="max_particles")
     if mode not in get_args(Mode):
         raise InputError(f"mode {shown(mode)}; {' or '.join(get_args(Mode))} is allowed", key="mode")
     for key, named, made in (("fabric", fabric, KesSheet), ("mannequin", mannequin, Mannequin), ("pose", pose, None)):
@@ -125,7 +131,7 @@ def make_job(
     poses = () if pose is None else tuple(read_poses(pose))
     if poses:
         _refuse_motion(body, poses)
-    return Job(outfit, pattern, fabrics, body, float(grid_mm), seed, mode, max_time_s, folder, worn, poses)
+    return Job(outfit, pattern, fabrics, body, float(grid_mm), seed, mode, max_time_s, folder, worn, poses, max_particles)
 
 
 def _refuse_motion(body: Mannequin, poses: tuple[KeyFrame, ...]) -> None:

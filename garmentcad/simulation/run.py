@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable, Collection
 from contextlib import suppress
@@ -11,31 +10,28 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from shapely.geometry import Polygon
 
 from garmentcad.analysis.clearance import clearing_moves, move_panels
 from garmentcad.analysis.tension import panels_at_limit, panels_pulled
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.gathers import EASED
 from garmentcad.cloth.lattice import build_cloth
-from garmentcad.cloth.panel_mesh import PARTICLE_CAP
 from garmentcad.cloth.state import State
 from garmentcad.cloth.weld import weld, weld_seams
 from garmentcad.constraints.points import PointRows
-from garmentcad.errors import CheckpointError, GarmentError, LimitError
+from garmentcad.errors import CheckpointError, GarmentError
 from garmentcad.fabric.material import MaterialTable, without_friction
 from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.geometry.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.outfit import below
-from garmentcad.pattern.pattern import Panel, Pattern
-from garmentcad.pattern.runs import side_length
 from garmentcad.placement.outside import around_worn
 from garmentcad.placement.place import place_vertices
 from garmentcad.simulation.checkpoint import load_state
 from garmentcad.simulation.course import CLOSING_OVER_N_M, CLOSING_PULL_N_M, STANDS, STRETCHED, TIGHT_N_M, TIGHT_SHARE, Course, Progress
 from garmentcad.simulation.job import Job
 from garmentcad.simulation.keeper import Keeper, stop_signal
+from garmentcad.simulation.lattices import check_size, grids_of
 from garmentcad.simulation.materials import lay_out
 from garmentcad.simulation.mend import off_body, turned_out
 from garmentcad.simulation.pressing import imposed_angles, laid_angles, press, under_iron
@@ -49,13 +45,6 @@ from garmentcad.solve.hardware import hardware_rows, pin_rows, redundance_messag
 from garmentcad.units import M_TO_MM, MM_TO_M
 
 JITTER_M = 1e-5  # of the start, so that no fold is decided by round-off
-COARSEST_MM = 25.0
-# Coarse spacings along the side of a square as large as the largest panel. An estimate: a disc of 240 mm over a pedestal has 7 folds at 10 mm, in both modes,
-# and 4 where it falls at 20 mm (docs/studies/agreement.md).
-FEWEST_CELLS = 20.0
-# Gathers fold as they are sewn, as finely as the lattice lets them, and folds of a coarse one stay on the fine one: of a ruffle gathered 1.6 to 1 and sewn at
-# 20 mm three folds were left in a front, and ten where it was sewn at 10. By more than this, cloth over seam, no lattice is coarser.
-GATHERED, COARSEST_GATHERED_MM = 1.25, 12.5
 # Panels come a long way to their seams, and small folds that form on it are caught between seams that close around them. While they are sewn they bend
 # like card; the bending that counts is there from the weld on. A T-shirt of GarmentCode closes to 0.14 mm so, and not within 10 mm without; the crotch seam of
 # trousers to 0.05 mm, and not within 25.
@@ -81,36 +70,6 @@ class Outcome:
     wall_s: dict[str, float]
     seconds: dict[str, float]
     warnings: list[str] = field(default_factory=list)
-
-
-def check_size(job: Job) -> None:
-    """LimitError where the lattice would be larger than the cap; the areas decide, before anything is allocated."""
-    area_mm2 = sum(_area_mm2(panel) for panel in job.pattern.panels.values())
-    count = int(area_mm2 / job.grid_mm**2)
-    if count > PARTICLE_CAP:
-        message = f"{area_mm2 * 1e-6:.2f} m2 at a grid of {job.grid_mm:g} mm are about {count} particles; at most {PARTICLE_CAP} are allowed"
-        raise LimitError(message, key="grid_mm")
-
-
-def grids_of(job: Job) -> tuple[float, ...]:
-    """Lattice spacings of a run, mm, coarse to fine: drape mode finds folds and seats the garment on lattices that cost an eighth a level, but for pieces
-    and gathers whose folds would be too coarse there."""
-    largest = math.sqrt(max(_area_mm2(panel) for panel in job.pattern.panels.values()))
-    coarsest = min(COARSEST_GATHERED_MM if _fullest(job.pattern) > GATHERED else COARSEST_MM, largest / FEWEST_CELLS)
-    grids = [job.grid_mm]
-    while job.mode == "drape" and 2.0 * grids[0] <= coarsest:
-        grids.insert(0, 2.0 * grids[0])
-    return tuple(grids)
-
-
-def _fullest(pattern: Pattern) -> float:
-    """Largest ratio of cloth to seam of its seams."""
-    lengths = [(side_length(pattern, seam.a), side_length(pattern, seam.b)) for seam in pattern.seams]
-    return max((max(pair) / min(pair) for pair in lengths if min(pair) > 0.0), default=1.0)
-
-
-def _area_mm2(panel: Panel) -> float:
-    return float(Polygon(np.vstack([edge.curve.polyline(1.0)[:-1] for edge in panel.edges])).area)
 
 
 def run(
@@ -186,10 +145,10 @@ class _Run:
     """The levels of one run, from the coarsest lattice, which is placed and sewn, to that of the job."""
 
     def __init__(self, job: Job, keep: Keeper, state: State | None, resume_below: bool = False) -> None:
-        check_size(job)
         self.began = time.perf_counter()
         self.job, self.keep, self.state, self._resume_below = job, keep, state, resume_below
         self.materials, self._material_of = lay_out(job)
+        check_size(job, self.materials)
         self.seconds: dict[str, float] = {}
         self.warnings = [] if state is None else list(state.said)
         self.setup = 0.0
@@ -202,7 +161,7 @@ class _Run:
         level = 0 if self.state is None else int(self.state.run.get("level", 0.0))
         before: tuple[Cloth, ForceAssembly] | None = None
         while True:
-            flat = build_cloth(self.job.pattern, self._material_of, self.materials, grids[level])
+            flat = build_cloth(self.job.pattern, self._material_of, self.materials, grids[level], particle_cap=self.job.max_particles)
             # What is worn under the outermost garment of an outfit has been sewn when that is put on.
             inner = below(self.job.pattern) if len(self.job.worn) > 1 else None
             start = flat if inner is None else weld_seams(flat, [seam.name for seam in inner.seams])[0]
