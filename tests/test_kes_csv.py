@@ -171,6 +171,14 @@ def test_a_table_of_which_nothing_is_understood_says_why(tmp_path: Path) -> None
         read(tmp_path, "property;warp;weft\nW;11;12\n")
 
 
+def test_a_table_of_fast_values_says_what_makes_a_sheet_of_it(tmp_path: Path) -> None:
+    by_value = read(tmp_path, "property;warp;weft\nB;0.1;0.05\nE5;0.2;0.4\nEB5;4;\nshine;1;\n")
+    by_fabric = read(tmp_path, "name;B warp;E5 warp;C weft;shine\nx;0.1;0.2;15;1\n")
+    for result, known in ((by_value, 3), (by_fabric, 2)):
+        said = ["a FAST value, of which `garmentcad fabric fit` makes a sheet; " in finding.message for finding in result.findings]
+        assert said == [True] * known + [False]
+
+
 @pytest.mark.parametrize("head", ["warp;filling", "Warp;Weft", "wale;course"])
 def test_what_laboratories_call_the_directions(head: str, tmp_path: Path) -> None:
     assert numbers(read(tmp_path, f"property;{head}\nW;;\nB;0.1;0.05\n").sheets[0]) == {"B.warp": 0.1, "B.weft": 0.05}

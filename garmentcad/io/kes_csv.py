@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from garmentcad.errors import FabricError, FileError
+from garmentcad.fabric.fast import FAST_QUANTITIES
 from garmentcad.fabric.finding import Finding
 from garmentcad.fabric.quantity import QUANTITIES, Quantity
 from garmentcad.fabric.sheet import KesSheet, sheet_from
@@ -103,6 +104,10 @@ class _Reader:
     def label(self, text: str) -> Label | None:
         return read_label(text, self.quantities)
 
+    def unknown(self, text: str) -> str:
+        """Why a label is not read."""
+        return "a FAST value, of which `garmentcad fabric fit` makes a sheet" if read_label(text, FAST_QUANTITIES) else "not understood"
+
     def number(self, text: str, label: Label, line: int, column: str) -> float | None:
         """Number in a cell, in the testers' unit; None for a blank."""
         if text.lower() in _BLANK:
@@ -125,7 +130,7 @@ class _ByFabric(_Reader):
             if meaning is None:
                 filled = sum(column < len(cells) and bool(cells[column].strip()) for _, cells in rows)
                 if cell.strip() or filled:
-                    why = unit_fault(cell, "", self.quantities) or "not understood"
+                    why = unit_fault(cell, "", self.quantities) or self.unknown(cell)
                     self.skip(header_line, f"column {cell.strip()[:60]!r}", f"{why}; its {filled} values are not used")
                 continue
             if meaning in first:
@@ -195,7 +200,7 @@ class _ByValue(_Reader):
                     fault = unit_fault(f"{way} {entry['label']}", unit, self.quantities) or unit_fault(entry["label"], unit, self.quantities)
                     if fault and unit:
                         raise FileError(f"line {line}, column {labels[places['unit']].strip()!r}: {fault}", file=self.file)
-                    self.skip(line, f"{role} of {entry['label'][:60]!r}", f"{fault or 'not understood'}; {entry[role][:60]!r} is not used")
+                    self.skip(line, f"{role} of {entry['label'][:60]!r}", f"{fault or self.unknown(entry['label'])}; {entry[role][:60]!r} is not used")
                     continue
                 number = self.number(entry[role], label, line, f"column {role}")
                 if label.key in known:
