@@ -40,7 +40,7 @@ def drape(
     grid: Annotated[float, typer.Option(help="Lattice spacing in mm.")] = 10.0,
     threads: Annotated[int | None, typer.Option(help="Threads; the result does not depend on them.", min=1, max=64)] = None,
     seed: Annotated[int, typer.Option(help="Of the 0.01 mm jitter of the start.")] = 0,
-    max_time: Annotated[float, typer.Option(help="Most simulated seconds.")] = 12.0,
+    max_time: Annotated[float, typer.Option(help="Most simulated seconds.")] = 20.0,
     max_particles: Annotated[int | None, typer.Option(help="A lattice of more is refused (a million); each takes about 2 kB.")] = None,
     mode: Annotated[Mode, typer.Option(help="drape: the shape at rest; dynamics: true masses and light damping.")] = Mode.drape,
     solver: Annotated[Solver, typer.Option(help="How the drape is solved.")] = Solver.steps,

@@ -39,7 +39,7 @@ def drape(
     grid_mm: float = 10.0,
     seed: int = 0,
     mode: Mode = "drape",
-    max_time_s: float = 12.0,
+    max_time_s: float = 20.0,
     max_particles: int = PARTICLE_CAP,
     pose: str | Path | None = None,
     values: Mapping[str, float] | None = None,

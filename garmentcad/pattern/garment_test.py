@@ -81,7 +81,7 @@ class GarmentTest(Model):
     mannequin: str | None = None
     grid_mm: Number = 10.0
     seed: Annotated[int, Field(strict=True, ge=0)] = 0
-    max_time_s: Number = 12.0
+    max_time_s: Number = 20.0
     lays: Annotated[int, Field(strict=True, ge=1, le=100)] = 1
     report: dict[ReportKey, Expected] = {}
     baseline: list[ReportKey] = []

@@ -49,7 +49,7 @@ class Job:
     grid_mm: float = 10.0
     seed: int = 0
     mode: Mode = "drape"
-    max_time_s: float = 12.0
+    max_time_s: float = 20.0
     folder: Path = field(default_factory=Path)  # of the spec, for references
     worn: tuple[GarmentSpec, ...] = ()
     poses: tuple[KeyFrame, ...] = ()  # that the body goes through once the garment hangs at rest
@@ -86,7 +86,7 @@ def make_job(
     grid_mm: float = 10.0,
     seed: int = 0,
     mode: Mode = "drape",
-    max_time_s: float = 12.0,
+    max_time_s: float = 20.0,
     max_particles: int = PARTICLE_CAP,
     pose: str | Path | None = None,
     values: Mapping[str, float] | None = None,
