@@ -3,6 +3,8 @@ through a watch settles with the masses that it is watched with."""
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 import trimesh
@@ -15,7 +17,19 @@ from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
 from garmentcad.simulation import course as course_module
-from garmentcad.simulation.course import FALL_S, LOOSE_SOFTNESS, SMALLEST_STEP_FACTOR, SOFTNESS, STANDS, STEPS_PER_LOOK, Course, Progress
+from garmentcad.simulation.course import (
+    AIR_DRAG,
+    FALL_DRAG,
+    FALL_S,
+    LOOSE_SOFTNESS,
+    LOOSE_SPEED_CAP_M_S,
+    SMALLEST_STEP_FACTOR,
+    SOFTNESS,
+    STANDS,
+    STEPS_PER_LOOK,
+    Course,
+    Progress,
+)  # fmt: skip
 from garmentcad.solve.dynamics import DivergedError, Dynamics
 from garmentcad.solve.rest import Residual, patches
 from garmentcad.solve.strain_limit import strain_limit
@@ -79,6 +93,27 @@ def test_on_a_finer_lattice_cloth_falls_softly_for_half_a_second(loose: bool, co
     assert FALL_S - 1.0 - look_s < state.time_s - began < FALL_S - 1.0 + look_s
     assert heard[0] == softness
     assert heard[-1] < 1.5
+
+
+@pytest.mark.parametrize("small", [False, True])
+def test_a_small_piece_falls_as_in_dynamics_and_settles_as_in_drape_mode(small: bool) -> None:
+    made, state = course(1.0, 9.0, "drape")
+    heard: list[float] = []
+    drape = Course(made.dynamics, heard.append, "drape", 9.0, loose=True, small=small)
+    dynamics = made.dynamics
+    falling: set[tuple[bool, bool, object, float]] = set()
+
+    def look(progress: Progress) -> None:
+        if progress.phase == "settle":
+            raise StopIteration
+        falling.add((dynamics.equalise, dynamics.measured, dynamics.drag, dynamics.speed_cap_m_s))
+
+    with pytest.raises(StopIteration):
+        drape.run(state, look)
+    assert falling == {(False, True, AIR_DRAG, math.inf)} if small else {(True, False, FALL_DRAG, LOOSE_SPEED_CAP_M_S)}
+    assert (heard == []) == small, "no tension is softened"
+    drape.set_phase(state)
+    assert (dynamics.equalise, dynamics.speed_cap_m_s) == (True, LOOSE_SPEED_CAP_M_S)
 
 
 def test_no_retreat_where_the_step_is_right() -> None:

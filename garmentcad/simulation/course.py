@@ -139,7 +139,7 @@ class Course:
     soften(softness): divides tension of its forces by another softness. max_time_s: cap on simulated time.
     loose: whether nothing is sewn, so that cloth falls softer and faster in mode 'drape'. last: whether this is the lattice of the job; on a coarser one the
     course is over when most of the fall is, of loose cloth all of it. buttoned: whether the garment has buttons; tied: buttons, belts or elastics.
-    tight(positions): whether the garment is so at positions (P,3) m that it has to find its place.
+    tight(positions): whether the garment is so at positions (P,3) m that it has to find its place. small: whether it falls in either mode as in 'dynamics'.
     mode: 'drape' (equalised masses, damping of fall and settle) or 'dynamics' (true masses, light damping).
     """
 
@@ -154,9 +154,11 @@ class Course:
         buttoned: bool = False,
         tied: bool = False,
         tight: Callable[[np.ndarray], bool] = lambda positions: False,
+        small: bool = False,
     ) -> None:
         self.dynamics, self.soften, self.mode, self.max_time_s, self.is_last = dynamics, soften, mode, max_time_s, last
         self._softness, self._cap = (LOOSE_SOFTNESS, LOOSE_SPEED_CAP_M_S) if loose else (SOFTNESS, SPEED_CAP_M_S)
+        self._small = small
         self._coarse_fall_s = FALL_S if loose else COARSE_FALL_S
         self._buttoned, self._tied, self._tight = buttoned, tied, tight
         self._patch = patches(dynamics.cloth)
@@ -180,21 +182,21 @@ class Course:
 
     def set_phase(self, state: State) -> None:
         """Forces, masses and damping of the phase in which the state is."""
-        dynamics = self.dynamics
+        dynamics, true = self.dynamics, self._is_true(state)
         dynamics.steady = state.phase != "fall"
         # While soft cloth falls in drape mode its tension comes back within a stretch of steps; the bound of the frequency covers that.
-        dynamics.measured = dynamics.steady or self.mode == "dynamics"
+        dynamics.measured = dynamics.steady or true
         # The shares of contact and of a pin or button that it holds against depend on inertia: what is to be at rest with true masses settles with them. So
         # does what rang in a watch, because the change of masses set it off.
         truly = dynamics.constraint is not None or self._buttoned or _TRULY in state.run
-        dynamics.equalise = self.mode == "drape" and (state.phase == "fall" or (state.phase == "settle" and not truly))
+        dynamics.equalise = not true and (state.phase == "fall" or (state.phase == "settle" and not truly))
         # What is held may tremble in longer steps than its own, by a ten-thousandth of a millimetre: nothing for motion, but too much for rest.
         dynamics.staged = state.phase in ("fall", "watch") and _PLAIN not in state.run
         dynamics.lighten = state.phase == "settle" and _CALM in state.run
         thrown = self._tied and state.phase == "fall"
-        dynamics.speed_cap_m_s = self._cap if self.mode == "drape" else THROWN_M_S if thrown else math.inf
+        dynamics.speed_cap_m_s = self._cap if not true else THROWN_M_S if thrown else math.inf
         softness = 1.0
-        if self.mode == "drape" and state.phase == "fall":
+        if not true and state.phase == "fall":
             left = max(0.0, FALL_S - (state.time_s - state.run["phase_from_s"]))
             softness = float(self._softness ** min(1.0, left / STIFFEN_S))
             if left < STIFFEN_S and _SLIPS not in state.run:
@@ -205,7 +207,11 @@ class Course:
             dynamics.softness = softness
         settling = state.contact.get("settle_drag", SETTLE_MOST if dynamics.equalise else SETTLE_DRAG)
         drags: dict[str, float | np.ndarray] = {"fall": FALL_DRAG, "settle": settling, "watch": WATCH_DRAG}
-        dynamics.drag = drags[state.phase] if self.mode == "drape" else AIR_DRAG
+        dynamics.drag = AIR_DRAG if true else drags[state.phase]
+
+    def _is_true(self, state: State) -> bool:
+        """Whether cloth moves as it does by itself, with its own masses and tension."""
+        return self.mode == "dynamics" or (self._small and state.phase == "fall")
 
     def _is_off(self, state: State) -> bool:
         body = self.dynamics.contact.positions[self.dynamics.contact.count :]
@@ -227,7 +233,7 @@ class Course:
                 state.run.pop(_SLIPS, None)
                 state.phase = "rest"
             elif fallen >= FALL_S:
-                if self.mode == "drape":
+                if not self._is_true(state):
                     # From here on the cloth is loaded as if it had not been soft: the strain of that, and its way back, leave no trace in its friction.
                     self.dynamics.forces.slacken(state.friction, state.positions, TENSION)
                 self._enter(state, "settle")

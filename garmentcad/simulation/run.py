@@ -31,7 +31,7 @@ from garmentcad.simulation.checkpoint import load_state
 from garmentcad.simulation.course import CLOSING_OVER_N_M, CLOSING_PULL_N_M, STANDS, STRETCHED, TIGHT_N_M, TIGHT_SHARE, Course, Progress
 from garmentcad.simulation.job import Job
 from garmentcad.simulation.keeper import Keeper, stop_signal
-from garmentcad.simulation.lattices import check_size, grids_of
+from garmentcad.simulation.lattices import check_size, grids_of, is_small
 from garmentcad.simulation.materials import lay_out
 from garmentcad.simulation.mend import off_body, turned_out
 from garmentcad.simulation.pressing import imposed_angles, laid_angles, press, under_iron
@@ -191,7 +191,8 @@ class _Run:
             loose = not self.job.pattern.seams
             buttoned, banded = bool(self.job.pattern.buttons), bool(self.job.pattern.bands)
             tight = partial(self._is_tight, cloth)
-            course = Course(dynamics, soften_all, self.job.mode, self.job.max_time_s, loose, last, buttoned, buttoned or banded, tight)
+            small = loose and is_small(self.job)
+            course = Course(dynamics, soften_all, self.job.mode, self.job.max_time_s, loose, last, buttoned, buttoned or banded, tight, small)
             try:
                 status = course.run(self.state, self.keep)
             except (DivergedError, IntersectingError) as error:
