@@ -78,6 +78,20 @@ def test_every_value_of_a_wildcard_is_judged_and_what_was_not_measured_left_out(
     ]
 
 
+def test_one_value_by_two_keys_has_two_names() -> None:
+    verdicts = judge({"ease_mm": {"hip": 20.0, "waist": 5.0}}, {"ease_mm.*": (0.0, 30.0), "ease_mm.hip": (25.0, 30.0)})
+    assert [(verdict.key, verdict.passed) for verdict in verdicts] == [("ease_mm.hip", True), ("ease_mm.waist", True), ("ease_mm.hip (ease_mm.hip)", False)]
+
+
+def test_what_fails_is_told_with_all_digits_of_a_report() -> None:
+    (verdict,) = judge({"hem_height_mm": 410.164037}, {"hem_height_mm": 410.164})
+    assert (verdict.expected, verdict.came, verdict.passed) == ("410.164", "410.164037", False)
+    (beyond,) = judge({"hem_height_mm": 410.164037}, {"hem_height_mm": (400.0, 410.164036)})
+    assert (beyond.expected, beyond.came) == ("400 to 410.164036", "410.164037")
+    (held,) = judge({"hem_height_mm": 410.164037}, {"hem_height_mm": (400.0, 420.0)})
+    assert held.came == "410.164"
+
+
 def test_only_the_wildcard_stands_for_other_text() -> None:
     report = {"ease_mm": {"bust": 1, "waist": 2, "hip": None, "a?": 3, "[b]": 4}}
     assert values_at(report, "ease_mm.b*") == {"ease_mm.bust": 1}

@@ -97,12 +97,22 @@ def test_a_figure_of_an_older_version_may_be_missing() -> None:
 def test_folders_of_other_versions_are_compared_by_report_and_mesh(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Positions come from garment.obj to its nine digits; a cloth.npz that this version cannot read is not asked for."""
     monkeypatch.setattr("garmentcad.export.result_folder.render_pictures", lambda *_: [])
+    there = {"particles": len(worn().state.positions), "triangles": len(worn().cloth.triangles)}
     for name, given in (("a", worn()), ("b", wider(0.010))):
-        write_result_folder(tmp_path / name, given, {"spec": "x"})
+        counted = there if name == "a" else {"particles": len(given.state.positions), "triangles": len(given.cloth.triangles)}
+        write_result_folder(tmp_path / name, dataclasses.replace(given, report=given.report | counted), {"spec": "x"})
         (tmp_path / name / "cloth.npz").write_bytes(b"of another version")
     found = compare(read_worn(tmp_path / "a"), read_worn(tmp_path / "b"))
     assert found.shape.rms_mm == pytest.approx(compared(worn(), wider(0.010)).shape.rms_mm, abs=1e-5)
     assert found.unlike["fabric"] == ("cotton-shirting", "denim")
+    path = tmp_path / "a" / "garment.obj"
+    whole = path.read_text()
+    path.write_text(whole[: whole.rindex("f ")])
+    with pytest.raises(InputError, match=rf"garment\.obj: holds {there['triangles'] - 1} triangles; report\.json has {there['triangles']}"):
+        read_worn(tmp_path / "a")
+    path.write_text(whole[: whole.rindex(" ")])
+    with pytest.raises(InputError, match=r"garment\.obj: is not a garment written by garmentcad \(points of three numbers and triangles are wanted\)"):
+        read_worn(tmp_path / "a")
     (tmp_path / "b" / "garment.obj").write_text("f 1/1 2/2 3/3\n")
     with pytest.raises(InputError, match=r"garment\.obj"):
         read_worn(tmp_path / "b")

@@ -156,3 +156,13 @@ def test_every_shipped_garment_has_a_test() -> None:
     for case in cases:
         assert case.test.baseline, case.name
         assert case.baseline_file.exists(), case.name
+
+
+def test_a_shipped_outfit_is_tested_by_its_name_and_holds_no_tests_itself(tmp_path: Path) -> None:
+    path = tmp_path / f"worn{ENDING}"
+    path.write_text("schema: 1\nspec: under-the-shirt\ngrid_mm: 30\n")
+    (case,) = read_garment_tests(path)
+    assert case.spec == shipped_file("outfits", "under-the-shirt")
+    assert len(make_job(case.spec, grid_mm=30.0).worn) > 1
+    with pytest.raises(SpecError, match="is an outfit, which holds no tests"):
+        read_garment_tests(shipped_file("outfits", "under-the-shirt"))

@@ -330,3 +330,40 @@ def test_what_diverged_has_no_shape_to_draw(tmp_path: Path, command: tuple[str, 
     assert isinstance(said.exception, FileError)  # `main.run` makes it exit code 2
     assert "state.npz: positions are not finite: this run ended as diverged" in str(said.exception)
     assert not made.exists()
+
+
+@pytest.mark.usefixtures("no_view")
+def test_files_of_two_drapes_in_one_folder_are_refused(tmp_path: Path) -> None:
+    given = result()
+    report = given.report | {"state_sha256": given.state.sha256()}
+    write_result_folder(tmp_path, Result(report, given.cloth, given.state, given.maps, given.mannequin), {})
+    assert read_result_folder(tmp_path).report == report
+    write_report(tmp_path / "report.json", report | {"state_sha256": 64 * "0"})
+    with pytest.raises(FileError, match=r"state\.npz: is the end of another drape than report\.json tells of"):
+        read_result_folder(tmp_path)
+    (tmp_path / "state.npz").unlink()
+    with pytest.raises(FileError, match=r"state\.npz: no such file: the folder of this drape is not whole"):
+        read_result_folder(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("changed", "says"),
+    [
+        ({"hem_height_mm": "x"}, "hem_height_mm: a number or null is wanted, came 'x'"),
+        ({"ease_mm": {"hip": "85"}}, r"ease_mm\.hip: a number or null is wanted, came '85'"),
+        ({"mass_kg": True}, "mass_kg: a number or null is wanted, came true"),
+        ({"seam_tension": {"side": {"max_n_m": [1.0]}}}, r"seam_tension\.side\.max_n_m: a number or null is wanted"),
+    ],
+)
+def test_a_report_with_values_of_another_kind_is_refused(changed: dict[str, object], says: str, tmp_path: Path) -> None:
+    whole = result().report | {
+        "warnings": ["seam"],
+        "uncalibrated": True,
+        "versions": {"numpy": "2"},
+        "constraints": {"conflicting": ["side"], "max_gap_mm": None},
+    }
+    write_report(tmp_path / "report.json", whole)
+    assert read_report(tmp_path) == whole
+    write_report(tmp_path / "report.json", whole | changed)
+    with pytest.raises(FileError, match=says):
+        read_report(tmp_path)

@@ -4,15 +4,21 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from garmentcad.check.examine import examine
 from garmentcad.errors import FileError, SpecError
+from garmentcad.io.mannequin_file import read_mannequin
 from garmentcad.io.shipped import shipped_file, shipped_names
 from garmentcad.io.spec_file import read_spec, write_spec
 from garmentcad.io.yaml_file import read_yaml
+from garmentcad.pattern.draft import draft
+from garmentcad.pattern.parse import parse_spec
 from garmentcad.pattern.spec import EdgeSpec, GarmentSpec, PanelSpec, PlacementSpec, TransformSpec
+from garmentcad.simulation.job import make_job
 
 
 def garment(description: str = "") -> GarmentSpec:
@@ -71,3 +77,45 @@ def test_refusals(content: str, key: str | None, message: str, tmp_path: Path) -
         read_spec(path)
     assert (caught.value.file, caught.value.key) == (str(path), key)
     assert message in caught.value.message
+
+
+def test_a_fold_of_which_all_stays_is_not_one_that_is_merely_pressed(tmp_path: Path) -> None:
+    """To Python 1 is equal to true, which is the default and not written."""
+    spec = read_spec("pleated-skirt")
+    whole = with_pleats(spec, 1)
+    assert whole != spec
+    write_spec(whole, tmp_path / "whole.yaml")
+    again = read_spec(tmp_path / "whole.yaml")
+    assert again == whole
+    drafted = {fold.pressed for panel in draft(again, read_mannequin("woman-88").measurements_mm).panels.values() for fold in panel.folds}
+    assert drafted == {1.0}
+    assert with_pleats(spec, True) == spec
+
+
+def with_pleats(spec: GarmentSpec, pressed: object) -> GarmentSpec:
+    data = spec.model_dump(by_alias=True)
+    for panel in data["panels"].values():
+        for one in (*(panel.get("pleats") or ()), *(panel.get("folds") or ())):
+            one["pressed"] = pressed
+    return parse_spec(data)
+
+
+def test_what_a_script_did_to_lists_and_mappings_of_a_spec_is_read_again(tmp_path: Path) -> None:
+    spec = read_spec("straight-skirt")
+    spec.seams.append("x")  # type: ignore[arg-type]
+    for use in (make_job, lambda made: write_spec(made, tmp_path / "x.yaml")):
+        with pytest.raises(SpecError, match=r"seams\.\d+: a mapping is wanted, came 'x'"):
+            use(spec)
+    (finding,) = examine(spec)
+    assert finding.severity == "error"
+    spec = read_spec("straight-skirt")
+    spec.panels["front"].points["a"] = (1.0, 2.0, 3.0)  # type: ignore[assignment]
+    with pytest.raises(SpecError, match=r"panels\.front\.points\.a: at most 2 entries are wanted"):
+        make_job(spec)
+    with pytest.raises(SpecError, match="fabric: "):
+        make_job(read_spec("straight-skirt").model_copy(update={"fabric": None}))
+
+
+def test_numbers_of_numpy_are_numbers() -> None:
+    placed = TransformSpec(translation=(np.int64(1), np.float32(2.0), 3), rotation=(0, 0, 0))
+    assert placed == TransformSpec(translation=(1, 2, 3), rotation=(0, 0, 0))

@@ -191,6 +191,26 @@ def test_a_key_of_both_report_and_baseline_is_two_cases(tmp_path: Path, drapes: 
     assert len(names) == len(set(names))
 
 
+def test_a_drape_without_warnings_is_asserted(case: GarmentTestCase, drapes: Fake, tmp_path: Path) -> None:
+    quiet = case_in(tmp_path, "schema: 1\nspec: band.yaml\ngrid_mm: 30\nreport: {warnings: []}\n")
+    drapes(drape_of(warnings=[]))
+    assert failed(quiet) == set()
+    drapes(drape_of(warnings=["seam 'side' did not close"]))
+    assert failed(quiet) == {"warnings"}
+
+
+def test_an_older_picture_goes_where_the_failed_drape_has_none(tmp_path: Path, drapes: Fake) -> None:
+    two_folders(tmp_path)
+    case = read_garment_tests(tmp_path / "a" / "band.garment-test.yaml")[0]
+    drapes(drape_of())
+    kept = tmp_path / "kept"
+    kept.mkdir()
+    (kept / "difference.png").write_bytes(b"of an older run")
+    run_trial(prepare(case), kept)
+    assert (kept / "report.json").exists()
+    assert not (kept / "difference.png").exists()
+
+
 def test_verdicts_are_said_where_the_failed_drape_cannot_be_kept(case: GarmentTestCase, drapes: Fake, tmp_path: Path) -> None:
     (tmp_path / "out").write_text("a file in the place of the folder")
     drapes(drape_of(hem_mm=610.0))
@@ -262,6 +282,11 @@ def test_ctrl_c_ends_all_tests_with_its_message_and_130(case: GarmentTestCase, d
         (TEST.replace("report: {", "report: {hem_height_mm: tall, "), "report.hem_height_mm: 'tall' came; a number is wanted here, a range as in"),
         (TEST.replace("report: {", "report: {versions.numpy: 2, "), "report.versions.numpy: 2 came; this value is a word"),
         (TEST.replace("report: {", "report: {fabric: [1, 2], "), "report.fabric: 1 to 2 came; this value is a word"),
+        (TEST.replace("self_intersections: 0", "self_intersections: false"), "report.self_intersections: false came; a number is wanted here, a range as in"),
+        (TEST.replace("report: {", "report: {uncalibrated: 0, "), "report.uncalibrated: 0 came; this value is true or false"),
+        (TEST.replace("report: {", "report: {warnings: 0, "), "report.warnings: 0 came; this value is a list, of which [] can be expected"),
+        (TEST.replace("report: {", "report: {constraints.conflicting: none, "), "'none' came; a number is wanted here"),
+        (TEST.replace("self_intersections: 0", "self_intersections: []"), "report.self_intersections: [] came; a number is wanted here"),
         (re.sub("baseline: .*", "baseline: []", TEST), "baseline: it names no value"),
         (TEST.replace("hem.nodes,", "hem.node,"), "baseline.hem.node: there is no 'node' in hem; did you mean 'nodes'"),
         (TEST.replace("ease_mm.waist", "fold_deg.front.crease"), "report.fold_deg.front.crease: there is no 'front' in fold_deg. There are none"),

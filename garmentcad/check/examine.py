@@ -31,6 +31,7 @@ from garmentcad.io.spec_file import spec_folder
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.draft import draft_errors
 from garmentcad.pattern.outfit import OutfitSpec, put_on
+from garmentcad.pattern.parse import checked
 from garmentcad.pattern.pattern import Pattern, Region, key_of, named_fabrics, parts_of
 from garmentcad.pattern.scope import with_values
 from garmentcad.pattern.spec import GarmentSpec
@@ -56,7 +57,7 @@ def examine(
                 refuse_unnamed(named, key, made)
         refuse_no_garment(spec)
         values = as_values(values)
-        read = spec if isinstance(spec, GarmentSpec) else read_worn(spec)
+        read = checked(spec) if isinstance(spec, GarmentSpec) else read_worn(spec)
         if isinstance(read, GarmentSpec):
             garment = with_values(read, values)
             other = None if fabric is None else _Named(partial(load_fabric, fabric), None, "fabric")

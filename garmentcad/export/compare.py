@@ -11,7 +11,7 @@ from rich.table import Table
 
 from garmentcad.analysis.figures import Figure, figures
 from garmentcad.analysis.surface_distance import Surface, SurfaceDistance, surface_distance
-from garmentcad.errors import InputError
+from garmentcad.errors import InputError, MeshError
 from garmentcad.export.color_map import painted, painted_alike
 from garmentcad.export.fit import csv_text, plain_table, shown
 from garmentcad.export.obj import read_garment_obj
@@ -34,7 +34,12 @@ class Worn:
 
 def read_worn(folder: str | Path) -> Worn:
     """report.json and garment.obj of a result folder. Raises FileError or MeshError naming what is missing or torn."""
-    return Worn(read_report(folder), Surface(*read_garment_obj(Path(folder) / "garment.obj")))
+    report, file = read_report(folder), Path(folder) / "garment.obj"
+    surface = Surface(*read_garment_obj(file))
+    for name, there in (("particles", len(surface.positions)), ("triangles", len(surface.triangles))):
+        if report.get(name, there) != there:
+            raise MeshError(f"holds {there} {name}; report.json has {report[name]}", file=str(file))
+    return Worn(report, surface)
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,7 @@ def fit_of(result: Result, lines: Sequence[BodyLine] = (), coarser: Sequence[Res
         for other in coarser:
             unlike = [key for key in SAME_GARMENT if other.report.get(key) != result.report.get(key)]
             if unlike:
-                raise InputError(f"the coarser drape is of another garment: {', '.join(unlike)} differ", key="coarser")
+                raise InputError(f"the coarser drape is another one: {', '.join(unlike)} differ", key="coarser")
         pairs = [(float(other.report["grid_mm"]), figures(_with_lines(other, lines))) for other in coarser]
         made["error_bars"] = error_bars(figures(made), float(result.report["grid_mm"]), pairs)
     return made

@@ -84,9 +84,9 @@ def _read(path: str | Path, what: str) -> tuple[np.ndarray, np.ndarray, tuple[st
             elif keyword == "f":
                 faces.append([int(word.partition("/")[0]) - 1 for word in words])
                 group.append(len(groups) - 1)
-        points, corners = floats(vertices), indices(faces)
-        if not points.shape[1:] == corners.shape[1:] == (3,):
+        if {*map(len, vertices)} | {*map(len, faces)} != {3}:
             raise ValueError("points of three numbers and triangles are wanted")
+        points, corners = floats(vertices), indices(faces)
         if not ((np.abs(points) < FARTHEST_M).all() and corners.min() >= 0 and corners.max() < len(points)):
             raise ValueError("faces and vertices do not fit together")
     except FileError as fault:

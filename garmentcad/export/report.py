@@ -7,7 +7,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import fields
 from pathlib import Path
-from typing import Any
+from typing import Any, get_type_hints
 
 import numpy as np
 from rich.table import Table
@@ -17,7 +17,7 @@ from garmentcad.analysis.body_line import SIDES
 from garmentcad.analysis.ease import EASE_LINES
 from garmentcad.analysis.hem_shape import HemShape
 from garmentcad.analysis.measures import Measures, unmeasured
-from garmentcad.analysis.run_record import RunRecord
+from garmentcad.analysis.run_record import Mode, RunRecord, Status
 from garmentcad.export.table import PlainTable
 from garmentcad.io.atomic import write_atomic
 
@@ -29,6 +29,11 @@ NESTED = {
     "constraints": ("max_gap_mm", "max_speed_m_s", "conflicting", "gap_mm", "speed_m_s"),
     "energy_j": ("stretch", "shear", "bend", "band", "gravity", "friction_work", "internal_friction_work", "damping_work"),
 }
+# Values that are words, lists, true or false; all others are numbers, or null where they were not measured.
+WORDS = frozenset(name for name, kind in get_type_hints(RunRecord).items() if kind in (str, Mode, Status, dict[str, str]))
+LISTS = frozenset({"warnings", "constraints.conflicting"})
+SWITCHES = frozenset({"uncalibrated"})
+NO_NUMBERS = WORDS | LISTS | SWITCHES
 HEM_KEYS = tuple(field.name for field in fields(HemShape))
 SIGNIFICANT_DIGITS = 9
 STATUS_STYLE = {"converged": "green", "max_time": "yellow", "diverged": "red", "intersecting": "red"}

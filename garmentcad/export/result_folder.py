@@ -21,7 +21,7 @@ from garmentcad.export.cloth_file import read_cloth, write_cloth
 from garmentcad.export.glb import write_garment_glb
 from garmentcad.export.obj import FARTHEST_M, read_mannequin_obj, write_garment_obj, write_mannequin_obj
 from garmentcad.export.picture import ViewMissing, render_pictures
-from garmentcad.export.report import SCHEMA, blank_report, write_report
+from garmentcad.export.report import NO_NUMBERS, SCHEMA, blank_report, write_report
 from garmentcad.io.atomic import remove_unfinished, write_atomic
 from garmentcad.io.json_file import read_json
 from garmentcad.io.npz_file import read_npz
@@ -134,7 +134,18 @@ def read_report(folder: str | Path) -> dict[str, Any]:
     for key, like in blank_report().items():
         if isinstance(like, dict) and not isinstance(report.get(key, like), dict):
             raise FileError(f"a mapping is wanted, came {shown(report[key])}", file=str(path), key=key)
+        if key in report and key not in NO_NUMBERS:
+            _refuse_no_number(report[key], key, path)
     return report
+
+
+def _refuse_no_number(value: Any, key: str, path: Path) -> None:
+    """FileError for a value of a report, or one in a mapping of values, that is neither a number nor not measured."""
+    if isinstance(value, dict):
+        for name, inner in value.items():
+            _refuse_no_number(inner, f"{key}.{name}", path)
+    elif value is not None and key not in NO_NUMBERS and (isinstance(value, bool) or not isinstance(value, (int, float))):
+        raise FileError(f"a number or null is wanted, came {shown(value)}", file=str(path), key=key)
 
 
 def read_result_folder(folder: str | Path) -> Result:
@@ -143,7 +154,11 @@ def read_result_folder(folder: str | Path) -> Result:
     folder = Path(folder)
     report = read_report(folder)
     cloth = read_cloth(folder / "cloth.npz")
+    if not (folder / "state.npz").exists():
+        raise FileError("no such file: the folder of this drape is not whole", file=str(folder / "state.npz"))
     state = load_state(folder / "state.npz")
+    if report.get("state_sha256", made := state.sha256()) != made:
+        raise FileError("is the end of another drape than report.json tells of (its state_sha256 is another one)", file=str(folder / "state.npz"))
     if state.positions.shape != (cloth.particle_count, 3):
         raise FileError(f"holds {state.positions.shape} positions where cloth.npz has {cloth.particle_count} particles", file=str(folder / "state.npz"))
     if not (np.abs(state.positions) < FARTHEST_M).all():

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from garmentcad.errors import FileError, InputError, SpecError
-from garmentcad.io.shipped import Kind, resolve_reference
+from garmentcad.io.shipped import Kind, resolve_reference, shipped_names
 from garmentcad.io.yaml_file import read_yaml
 from garmentcad.pattern.garment_test import GarmentTest, GarmentTestFile
 from garmentcad.pattern.parse import parse_model, parse_spec, shown
@@ -50,6 +50,8 @@ def read_garment_tests(path: Path) -> list[GarmentTestCase]:
     data = read_yaml(path)
     if not isinstance(data, dict):
         raise SpecError(f"a garment test is a mapping, came {shown(data)}", file=file)
+    if "garments" in data:
+        raise SpecError(f"is an outfit, which holds no tests; a test of it is a file of its own, NAME{ENDING}, that names it as its spec", file=file)
     if "panels" in data:
         spec = parse_spec(data, file)
         if not spec.tests:
@@ -61,7 +63,7 @@ def read_garment_tests(path: Path) -> list[GarmentTestCase]:
     name = path.name.removesuffix(ENDING).removesuffix(path.suffix)
     if not name.strip("."):
         raise SpecError(f"a garment test has the name of its file before {ENDING}; {name!r} is no name", file=file)
-    return [GarmentTestCase(name, path, _resolved(test.spec, "patterns", path), test)]
+    return [GarmentTestCase(name, path, _resolved(test.spec, "outfits" if test.spec in shipped_names("outfits") else "patterns", path), test)]
 
 
 def distinct_names(cases: Sequence[GarmentTestCase]) -> list[str]:
@@ -91,4 +93,4 @@ def _resolved(reference: str, kind: Kind, file: Path) -> Path:
     try:
         return resolve_reference(reference, kind, file.parent)
     except InputError as error:
-        raise FileError(error.message, file=str(file), key={"patterns": "spec"}.get(kind, kind[:-1])) from None
+        raise FileError(error.message, file=str(file), key={"patterns": "spec", "outfits": "spec"}.get(kind, kind[:-1])) from None

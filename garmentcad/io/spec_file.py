@@ -14,7 +14,7 @@ from garmentcad.io.garmentcode_import import import_garmentcode
 from garmentcad.io.shipped import shipped_file
 from garmentcad.io.yaml_file import ENDINGS, plain_scalar, read_yaml, refuse_no_yaml
 from garmentcad.pattern.outfit import OutfitSpec
-from garmentcad.pattern.parse import parse_spec, shown
+from garmentcad.pattern.parse import checked, parse_spec, shown
 from garmentcad.pattern.spec import GarmentSpec
 
 SPEC_ENDINGS = (*ENDINGS, ".json")
@@ -57,6 +57,7 @@ def write_spec(spec: GarmentSpec, path: str | Path) -> Path:
         raise InputError(f"a GarmentSpec is wanted, came {shown(spec)}", key="spec")
     refuse_unnamed(path, "path")
     refuse_no_yaml(path)
+    spec = checked(spec)
     data = {"schema": spec.schema_version, "units": spec.units, **spec.model_dump(mode="json", by_alias=True, exclude_defaults=True)}
     return write_atomic(path, yaml.dump(data, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=140))
 

@@ -3,7 +3,7 @@
 A report key is the dotted path of a value in report.json (`ease_mm.waist`; of names that have dots themselves, too: `fold_deg.front.crease`); `*` stands for
 any one name in it. What is expected there is one of
 
-    0, converged, true, null      exactly that; "*" is any value that was measured
+    0, converged, true, null      exactly that; [] is a list without entries (warnings); "*" is any value that was measured
     [15, 25]                      a number in that range, ends included; null is an open end
     {value: 612, tol: 5}          a number that differs by at most tol
 """
@@ -31,9 +31,7 @@ def _number(value: Any) -> float | int:
 
 
 def _plain(value: Any) -> Any:
-    if value is None or isinstance(value, (bool, str)):
-        return value
-    return _number(value)
+    return value if value is None or value == [] or isinstance(value, (bool, str)) else _number(value)
 
 
 def _key(value: str) -> str:
@@ -63,7 +61,7 @@ class Tolerance(Model):
 
 
 def _form(value: Any) -> str:
-    return "<tolerance>" if isinstance(value, (dict, Tolerance)) else "<range>" if isinstance(value, (list, tuple)) else "<value>"
+    return "<tolerance>" if isinstance(value, (dict, Tolerance)) else "<range>" if isinstance(value, (list, tuple)) and value != [] else "<value>"
 
 
 Plain = Annotated[Any, BeforeValidator(_plain)]
@@ -88,7 +86,7 @@ class GarmentTest(Model):
 
 
 class GarmentTestFile(GarmentTest):
-    """A garment test in a file of its own. spec: a shipped garment, or a file in the folder of the test or below it."""
+    """A garment test in a file of its own. spec: a shipped garment or outfit, or a file in the folder of the test or below it."""
 
     schema_version: SchemaVersion = Field(default=1, alias="schema")
     spec: str

@@ -47,6 +47,11 @@ def parse_spec(data: Any, file: str | None = None) -> GarmentSpec:
     return spec
 
 
+def checked(spec: GarmentSpec) -> GarmentSpec:
+    """A spec that a script made, read as `parse_spec` reads one: its models cannot be changed, but the lists and mappings in them can. SpecError likewise."""
+    return parse_spec(spec.model_dump(by_alias=True, warnings=False), spec.file)
+
+
 def parse_model(model: type[Made], data: Any, file: str | None = None) -> Made:
     """Plain data as one of our models. SpecError as `parse_spec`."""
     try:

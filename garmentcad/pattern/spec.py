@@ -6,6 +6,7 @@ Lengths are millimetres, angles degrees; wherever a number stands, an expression
 from __future__ import annotations
 
 import re
+from numbers import Integral, Real
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, PrivateAttr, StrictBool, Tag, model_validator
@@ -21,10 +22,10 @@ MAX_NUMBER = 1e9
 
 def _number(value: Any) -> float | str:
     """A number, or an expression whose form is right (its names are looked up when the pattern is drafted)."""
-    if isinstance(value, bool) or not isinstance(value, (int, float, str)):
+    if isinstance(value, bool) or not isinstance(value, (Real, str)):
         raise PydanticCustomError("number", "a number or an expression is wanted")
     if not isinstance(value, str):
-        if not abs(value) <= MAX_NUMBER:  # also true for nan
+        if not -MAX_NUMBER <= value <= MAX_NUMBER:  # type: ignore[operator]  # also true for nan
             raise PydanticCustomError("large", "numbers are finite and at most 1e9 in size")
         return float(value)
     fault = check_grammar(value)
@@ -34,14 +35,17 @@ def _number(value: Any) -> float | str:
 
 
 def _whole(value: Any) -> Any:
-    if isinstance(value, bool) or not isinstance(value, int):
+    if isinstance(value, bool) or not isinstance(value, Integral):
         raise PydanticCustomError("whole", "a whole number is wanted")
-    return value
+    return int(value)
 
 
 def _pressed(value: Any) -> bool | float | str:
-    """Pressed or not, or how much of the fold stays."""
-    return value if isinstance(value, bool) else _number(value)
+    """Pressed or not, or how much of the fold stays: all of it as the expression "1", because to Python the number is equal to true, the default."""
+    if isinstance(value, bool):
+        return value
+    share = _number(value)
+    return "1" if share == 1.0 else share
 
 
 def _name(value: str) -> str:

@@ -69,7 +69,7 @@ class Baseline(Model):
     refused: Annotated[int, Field(strict=True, ge=0)]
     setting: dict[str, str]
     keys: list[ReportKey]
-    report: dict[ReportKey, Figure]
+    report: dict[str, Figure]  # `*` in a key may stand for long names
     rms_mm: Figure | None = None
     max_mm: Figure | None = None
 

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import fields
-from typing import Any, get_type_hints
+from typing import Any
 
 from garmentcad.analysis.folds import fold_lines
-from garmentcad.analysis.run_record import BAND_KEYS, Mode, RunRecord, Status
+from garmentcad.analysis.run_record import BAND_KEYS
 from garmentcad.analysis.seam_tension import SeamTension
 from garmentcad.export.report import blank_report
 from garmentcad.pattern.pattern import Pattern
 from garmentcad.simulation.record import versions
 
-# First names of the keys whose values are words; all others have numbers, true or false, or lists.
-WORDS = frozenset(name for name, kind in get_type_hints(RunRecord).items() if kind in (str, Mode, Status, dict[str, str]))
 _SEAM_KEYS = tuple(field.name for field in fields(SeamTension))
 
 

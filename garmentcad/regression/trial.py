@@ -14,14 +14,15 @@ import numpy as np
 from garmentcad.analysis.run_record import Status
 from garmentcad.analysis.surface_distance import Surface, SurfaceDistance, surface_distance
 from garmentcad.errors import FileError, InputError, SpecError, did_you_mean
+from garmentcad.export.report import LISTS, SWITCHES, WORDS
 from garmentcad.export.result_folder import Result, write_result_folder
 from garmentcad.io.garment_test_file import GarmentTestCase
 from garmentcad.pattern.garment_test import ANY, SHAPE, Expected
 from garmentcad.pattern.parse import shown
-from garmentcad.regression.assertion import Verdict, came_text, expected_text, holds, judge, means, refuse_unknown_keys
+from garmentcad.regression.assertion import Verdict, expected_text, judge, means, refuse_unknown_keys, verdict
 from garmentcad.regression.baseline import Baseline, Shape, read_baseline, read_shape
 from garmentcad.regression.difference_picture import draw_difference
-from garmentcad.regression.known_values import WORDS, known_values
+from garmentcad.regression.known_values import known_values
 from garmentcad.regression.lays import Lay, drape_lays
 from garmentcad.simulation.course import Progress
 from garmentcad.simulation.job import Job, make_job
@@ -76,13 +77,20 @@ def job_of(case: GarmentTestCase) -> Job:
     if isinstance(status, str) and status not in (*get_args(Status), ANY):
         raise SpecError(f"no drape ends as {shown(status)}{did_you_mean(status, get_args(Status))}", file=str(case.file), key="report.status")
     for key, wanted in test.report.items():
-        first = key.split(".")[0]  # with `*` it may mean words beside others
-        if isinstance(wanted, str) and wanted != ANY and not filter_names(WORDS, first):
-            allowed = "a number is wanted here, a range as in [10, 20], {value: 15, tol: 2}, true or false"
-            raise SpecError(f"{shown(wanted)} came; {allowed}", file=str(case.file), key=f"report.{key}")
-        if first in WORDS and wanted is not None and not isinstance(wanted, str):
-            raise SpecError(f"{expected_text(wanted)} came; this value is a word", file=str(case.file), key=f"report.{key}")
+        if wanted is not None and wanted != ANY:
+            _refuse_kind(key, wanted, str(case.file))
     return job
+
+
+def _refuse_kind(key: str, wanted: Expected, file: str) -> None:
+    """SpecError for what no value of a key can be. A first name with `*` may mean values of several kinds."""
+    place = key if key in LISTS else key.split(".")[0]
+    for said, names, kind in (("a word", WORDS, str), ("true or false", SWITCHES, bool), ("a list, of which [] can be expected", LISTS, list)):
+        if place in names and not isinstance(wanted, kind):
+            raise SpecError(f"{expected_text(wanted)} came; this value is {said}", file=file, key=f"report.{key}")
+        if isinstance(wanted, kind) and not filter_names(names, place):
+            came = shown(wanted) if isinstance(wanted, str) else expected_text(wanted)
+            raise SpecError(f"{came} came; a number is wanted here, a range as in [10, 20], or {{value: 15, tol: 2}}", file=file, key=f"report.{key}")
 
 
 def setting(case: GarmentTestCase, job: Job) -> dict[str, str]:
@@ -119,14 +127,16 @@ def run_trial(trial: Trial, folder: Path | None, look: Callable[[Progress], None
 
 def _keep(trial: Trial, result: Result, folder: Path) -> tuple[tuple[Path, ...], tuple[str, ...]]:
     """Write a failed drape and its picture. Where that cannot be, its verdicts are said all the same, and a note says why."""
+    picture = folder / "difference.png"
     try:
+        picture.unlink(missing_ok=True)  # of an older drape
         written = write_result_folder(folder, result, trial.job.identity)
-    except FileError as error:
+    except (FileError, OSError) as error:
         return (), (f"the failed drape was not kept: {error}",)
     apart = distance_from_baseline(trial, result)
     if trial.shape is None or apart is None or written.notes:
         return written.files, written.notes
-    return (*written.files, draw_difference(folder / "difference.png", result, trial.shape, apart)), ()
+    return (*written.files, draw_difference(picture, result, trial.shape, apart)), ()
 
 
 def distance_from_baseline(trial: Trial, result: Result) -> SurfaceDistance | None:
@@ -148,7 +158,7 @@ def verdicts_on(trial: Trial, lays: Sequence[Lay]) -> list[Verdict]:
     for key, figure in trial.baseline.report.items():
         value = means(reports, key).get(key)
         name = f"{key} (baseline)" if key in by_hand else key  # servers that read JUnit XML take two cases of one name for one
-        verdicts.append(Verdict(name, expected_text(figure.expected), came_text(value), holds(value, figure.expected)))
+        verdicts.append(verdict(name, value, figure.expected))
     if limits := trial.baseline.distances():
         apart = distance_from_baseline(trial, lays[0].result)
         came = {SHAPE: {"rms_mm": apart and apart.rms_mm, "max_mm": apart and apart.max_mm}}

@@ -31,7 +31,7 @@ from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.mannequin.motion import KeyFrame, motion
 from garmentcad.pattern.draft import draft
 from garmentcad.pattern.outfit import OutfitSpec, put_on
-from garmentcad.pattern.parse import shown
+from garmentcad.pattern.parse import checked, shown
 from garmentcad.pattern.pattern import Pattern, named_fabrics, with_fabrics
 from garmentcad.pattern.scope import with_values
 from garmentcad.pattern.spec import GarmentSpec
@@ -111,7 +111,7 @@ def make_job(
             refuse_unnamed(named, key, made)
     refuse_no_garment(spec)
     values = as_values(values)
-    model = spec if isinstance(spec, GarmentSpec) else read_worn(spec)
+    model = checked(spec) if isinstance(spec, GarmentSpec) else read_worn(spec)
     if isinstance(model, GarmentSpec):
         model, folder = with_values(model, values), spec_folder(model)
         body = _body(model, mannequin)
