@@ -113,10 +113,10 @@ def test_what_is_not_understood_is_reported(tmp_path: Path) -> None:
 
 
 def test_rows_that_are_not_understood_are_reported(tmp_path: Path) -> None:
-    result = read(tmp_path, "property;warp;weft;remark\nW;12;;\nKoshi;5.1;;\nB;0.1;0.08;\nT0;0.3;0.4;\nG [lbf];1;;\n")
+    result = read(tmp_path, "property;warp;weft;remark\nW;12;;\nKoshi;5.1;;\nB;0.1;0.08;\nShari;0.3;0.4;\nG [lbf];1;;\n")
     assert numbers(result.sheets[0]) == {"W": 12.0, "B.warp": 0.1, "B.weft": 0.08}
     keys = [finding.key for finding in result.findings]
-    assert keys == ["line 1, column 'remark'", "line 3, warp of 'Koshi'", "line 5, warp of 'T0'", "line 5, weft of 'T0'", "line 6, warp of 'G [lbf]'"]
+    assert keys == ["line 1, column 'remark'", "line 3, warp of 'Koshi'", "line 5, warp of 'Shari'", "line 5, weft of 'Shari'", "line 6, warp of 'G [lbf]'"]
     assert result.findings[4].message == "the unit 'lbf' for G.warp; allowed are gf/(cm.deg), gf/(cm.degree), N/(m.deg), N/(m.rad), N/m; '1' is not used"
 
 
@@ -139,6 +139,46 @@ BAD = [
     pytest.param("symbol,unit,value\nW,oz/yd2,5\n", FileError, "line 2, column 'unit': the unit 'oz/yd2' for W; allowed are mg/cm2, g/m2, gsm", id="ounces"),
     pytest.param("symbol,unit,warp\nT0,mil,10\n", FileError, "line 2, column 'unit': the unit 'mil' for T0; allowed are mm, cm", id="mil"),
     pytest.param("symbol,unit,warp\nMIU,N,0.2\n", FileError, "the unit 'N' for MIU.warp; allowed are none", id="unit of a number"),
+    pytest.param(
+        "symbol,unit,value\nW (g/m2),mg/cm2,12\n",
+        FileError,
+        "line 2, column 'unit': 'mg/cm2' came for 'W (g/m2)', whose label has another unit",
+        id="two units",
+    ),
+    pytest.param(
+        "symbol;direction;warp;weft\nW;;12;\nB;weft;0.1;\n",
+        FabricError,
+        "line 3, column 'warp': warp came for 'B', which is of weft in this row",
+        id="warp of weft",
+    ),
+    pytest.param(
+        "symbol;warp;filling\nW;12;\nB warp;;0.1\n", FabricError, "line 3, column 'filling': weft came for 'B warp', which is of warp", id="weft of warp"
+    ),
+    pytest.param(
+        "symbol;direction;value\nB1;weft;0.1\n", FabricError, "line 2, column 'direction': weft came for 'B1', which is of warp", id="label of the other"
+    ),
+    pytest.param(
+        "symbol;direction;warp;mean\nW;;12;\nB;warp;0.1;0.2\n", FabricError, "line 3: B.warp stands twice for the same fabric", id="column and mean of warp"
+    ),
+    pytest.param(
+        "symbol;warp;weft\nW;12;\nT0;0.3;0.31\n",
+        FabricError,
+        "line 3, column 'weft': 0.31 came for T0 after 0.3 on line 3; it is one number without directions",
+        id="two thicknesses",
+    ),
+    pytest.param(
+        "symbol;direction;value\nW;warp;12\nB;warp;0.1\nW;weft;13\n",
+        FabricError,
+        "line 4, column 'value': 13 came for W after 12 on line 2; it is one number without directions",
+        id="two weights",
+    ),
+    pytest.param("symbol;direction;value\nW;warp;12\nW;warp;12\n", FabricError, "line 3: W stands twice", id="one weight twice"),
+    pytest.param(
+        "symbol;value\nname;a\nW;12\nname;b\n", FabricError, "line 4: 'b' came for name after 'a' on line 2; one is allowed for a fabric", id="two names"
+    ),
+    pytest.param("symbol;warp;weft\nfibre;silk;wool\nW;12;\n", FabricError, "line 2: 'wool' came for fibre after 'silk' on line 2", id="two fibres in a row"),
+    pytest.param("fabric;symbol;value\na;W;12\na;name;b\n", FabricError, "line 3: 'b' came for name after 'a' on line 2", id="name of another fabric"),
+    pytest.param("symbol;value\nW;12\nB;1e400\n", FabricError, "line 3: ", id="too large in a row of its own"),
     pytest.param("symbol,unit\nW,g\n", FileError, "no column of numbers", id="no numbers"),
     pytest.param('name,W\n"a,12\n', FileError, "not valid CSV", id="open quote"),
     pytest.param("name,W\na\0,12\n", FileError, "null characters", id="null"),
@@ -167,8 +207,8 @@ def test_a_fabric_without_a_value_is_reported(tmp_path: Path) -> None:
 
 
 def test_a_table_of_which_nothing_is_understood_says_why(tmp_path: Path) -> None:
-    with pytest.raises(FileError, match=r"no fabric below the header on line 1; line 2, warp of 'W': not understood; '11' is not used; line 2, weft"):
-        read(tmp_path, "property;warp;weft\nW;11;12\n")
+    with pytest.raises(FileError, match=r"no fabric below the header on line 1; line 2, warp of 'Koshi': not understood; '11' is not used; line 2, weft"):
+        read(tmp_path, "property;warp;weft\nKoshi;11;12\n")
 
 
 def test_a_table_of_fast_values_says_what_makes_a_sheet_of_it(tmp_path: Path) -> None:
@@ -182,3 +222,54 @@ def test_a_table_of_fast_values_says_what_makes_a_sheet_of_it(tmp_path: Path) ->
 @pytest.mark.parametrize("head", ["warp;filling", "Warp;Weft", "wale;course"])
 def test_what_laboratories_call_the_directions(head: str, tmp_path: Path) -> None:
     assert numbers(read(tmp_path, f"property;{head}\nW;;\nB;0.1;0.05\n").sheets[0]) == {"B.warp": 0.1, "B.weft": 0.05}
+
+
+@pytest.mark.parametrize("column", ["value", "mean", "average"])
+def test_the_direction_of_a_row_is_that_of_its_number(column: str, tmp_path: Path) -> None:
+    text = f"property;direction;unit;{column};sd\nW;;g/m2;168;2\nB;warp;gf.cm2/cm;0.09;0.01\nB;weft;gf.cm2/cm;0.05;\nG 2;;;0.6;\nG;warp;;0.5;\nG 1;warp;;;\n"
+    result = read(tmp_path, text + "2HG;-;;1;\n")
+    assert numbers(result.sheets[0]) == {"W": 16.8, "B.warp": 0.09, "B.weft": 0.05, "G.warp": 0.5, "G.weft": 0.6, "2HG.mean": 1.0}
+    assert [str(finding) for finding in result.findings] == ["warning: line 1, column 'sd': not understood; its 2 values are not used"]
+
+
+def test_a_direction_that_a_value_does_not_have_is_reported(tmp_path: Path) -> None:
+    result = read(tmp_path, "property;direction;value\nW;both;12\nB;diagonal;0.1\nEMT;bias;3\n")
+    assert numbers(result.sheets[0]) == {"W": 12.0}
+    assert [str(finding) for finding in result.findings] == [
+        "warning: line 3, value of 'B': the direction 'diagonal' for B; allowed are warp, weft, bias, mean; '0.1' is not used",
+        "warning: line 4, value of 'EMT': the direction 'bias' for EMT; allowed are warp, weft, mean; '3' is not used",
+    ]
+
+
+def test_a_value_of_the_whole_fabric_under_both_directions_is_taken_once(tmp_path: Path) -> None:
+    for text in ("property;warp;weft\nW;12;12,0\nT0 warp;0.3;\nT0;;0.3\n", "property;direction;value\nW;warp;12\nT0;;0.3\nW;weft;12\n"):
+        result = read(tmp_path, text)
+        assert numbers(result.sheets[0]) == {"W": 12.0, "T0": 0.3}
+        assert result.findings == ()
+    (finding,) = read(tmp_path, "name;W;T0 warp\na;12;0.3\n").findings
+    assert str(finding) == "warning: line 1, column 'T0 warp': T0 is one number without directions; its 1 values are not used"
+
+
+def test_numbers_under_a_blank_header_are_reported(tmp_path: Path) -> None:
+    result = read(tmp_path, "property;unit;warp;weft;;\nW;g/m2;168;;;\nB;uN.m;9,0;5,8;7,4;\n")
+    assert [str(finding) for finding in result.findings] == ["warning: line 1, column '': not understood; its 1 values are not used"]
+
+
+def test_a_text_may_stand_in_any_column(tmp_path: Path) -> None:
+    text = "property;direction;unit;warp;weft\nname;;Linen plain;;\nfibre;linen;;;\nweave;;-;;plain\nsource;;text;mill;mill\nW;;g/m2;168;\n"
+    (sheet,) = read(tmp_path, text).sheets
+    assert (sheet.name, sheet.fibre, sheet.weave, sheet.source) == ("Linen plain", "linen", "plain", "mill")
+
+
+def test_a_unit_in_the_label_and_in_its_column(tmp_path: Path) -> None:
+    text = "property;unit;value\nW (g/m2);g/m²;168\nBending rigidity B (uN.m) warp;µN·m;9.80665\nT0 [mm];;0.3\n2HB (gf.cm/cm);-;0.1\n"
+    assert numbers(read(tmp_path, text).sheets[0]) == {"W": 16.8, "T0": 0.3, "B.warp": 0.1, "2HB.mean": 0.1}
+
+
+def test_each_value_has_the_line_where_it_stands(tmp_path: Path) -> None:
+    text = "property;warp;weft\nW;12;\nB;0.1;0.05\nT0;0.3;\n"
+    (sheet,) = read(tmp_path, text).sheets
+    assert [sheet.origin(key) for key in ("W", "B.warp", "B.weft", "T0")] == [f"lab.csv, line {line}" for line in (2, 3, 3, 4)]
+    assert {read_kes_csv(tmp_path / "lab.csv", source="mill").sheets[0].origin(key) for key in ("W", "B.warp", "T0")} == {"mill"}
+    (sheet,) = read(tmp_path, text + "source;the mill;\n").sheets
+    assert {sheet.origin(key) for key in ("W", "B.warp", "T0")} == {"the mill"}

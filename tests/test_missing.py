@@ -217,6 +217,13 @@ def test_a_mean_that_does_not_agree_with_what_follows_from_other_values_is_said(
     assert said == ["warning: EMT.mean: 5 is not the mean of warp 6.667 and weft 8, which follow from other values"]
 
 
+@pytest.mark.parametrize("name", ["B", "2HB", "MIU", "G"])
+def test_a_mean_that_does_not_agree_with_what_was_given_is_said_once(name: str) -> None:
+    findings = complete(sheet_from({**BASE, "B": {"warp": 0.2, "weft": 0.2}, name: {"warp": 0.2, "weft": 0.3, "mean": 0.4}})).findings
+    said = [str(finding) for finding in findings if finding.key == f"{name}.mean" and "is not the mean" in finding.message]
+    assert said == [f"warning: {name}.mean: 0.4 is not the mean of warp 0.2 and weft 0.3; warp and weft are used"]
+
+
 def test_a_loop_of_shear_that_widens_as_fast_as_it_rises_is_said() -> None:
     def said(widest: float) -> list[str]:
         done = complete(sheet_from({**BASE, "G": 0.4, "2HG": 1.0, "2HG5": widest}))

@@ -26,8 +26,8 @@ def fit(
     if out.name.lower() in ENDINGS:
         raise InputError(f"a name is wanted before the ending {out.name}; it becomes the fabric's", file=str(out), key="--out")
     refuse_no_yaml(out, "--out")
-    values, loops, findings = read_fit_files(files)
-    sheet, fitted, assumed, remarks = fit_sheet(out.stem, values, loops)
+    values, loops, findings, texts = read_fit_files(files)
+    sheet, fitted, assumed, remarks = fit_sheet(out.stem, values, loops, texts)
     write_fabric(sheet, out)
     said = [str(finding) for finding in (*findings, *remarks)]
     rows = [{**value._asdict(), "unit": quantity_of(value.key).unit} for value in fitted]

@@ -26,18 +26,24 @@ class Fit(NamedTuple):
     findings: tuple[Finding, ...]
 
 
-def fit_sheet(name: str, values: Mapping[str, Given], loops: Sequence[RecordedLoop]) -> Fit:
-    """values: FAST readings and values of the sheet by key. FabricError, with the file and line of what it is about, for readings that no cloth can have, what
-    is no loop, a value had twice, tension to different forces, and a sheet that contradicts itself or cannot be completed."""
+def fit_sheet(name: str, values: Mapping[str, Given], loops: Sequence[RecordedLoop], texts: Mapping[str, str] | None = None) -> Fit:
+    """values: FAST readings and values of the sheet by key; texts: what the files say of the fabric in words, by key of the sheet (`fibre`), of which a `name`
+    is not used. FabricError, with the file and line of what it is about, for readings that no cloth can have, what is no loop, a value had twice, tension to
+    different forces, and a sheet that contradicts itself or cannot be completed."""
+    texts = dict(texts or {})
+    called = texts.pop("name", name)
     files = {key: given.file for key, given in values.items()} | {loop.key: loop.file for loop in loops}
     fitted: list[FittedValue] = []
     try:
         fitted += _fitted(values, loops, files)
         printed = {key: given for key, given in values.items() if not _is_reading(key)}
-        sheet = fitted_sheet(name, fitted, printed, files)
+        sources = {given.file: given.source for given in values.values() if given.source}
+        sheet = fitted_sheet(name, fitted, printed, files, sources, texts)
         tension = [loop for loop in loops if loop.test == "tension"]
         findings = [*unread([loop for loop in loops if loop.test != "tension"]), *doubtful_starts(tension)]
         findings += doubtful({key: given.value for key, given in values.items()})
+        if called != name:
+            findings.append(Finding("info", "name", f"{called!r} in the tables is not used; the sheet is {name!r}, as its file"))
         if sheet.W is None:
             lacking = Finding("warning", "W", "no mass per area came; the sheet needs one before anything can be draped")
             return Fit(sheet, tuple(fitted), frozenset(), (*findings, *noticed(sheet), lacking))

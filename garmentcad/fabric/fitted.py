@@ -29,13 +29,21 @@ class FittedValue(NamedTuple):
         return f"{self.low:.4g} to {self.high:.4g}; {self.how}"
 
 
-def fitted_sheet(name: str, fitted: Iterable[FittedValue], given: Mapping[str, Given], files: Mapping[str, str]) -> KesSheet:
+def fitted_sheet(
+    name: str,
+    fitted: Iterable[FittedValue],
+    given: Mapping[str, Given],
+    files: Mapping[str, str],
+    sources: Mapping[str, str],
+    texts: Mapping[str, str],
+) -> KesSheet:
     """A sheet of fitted values, each with its bounds as a note, and of values that were given as they are. What neither gave stays blank. The sheet's `sources`
     say which files hold what was given and what was fitted to.
 
-    files: in which each of the keys stands that the fitted values are `of`. FabricError for a key that comes twice and for what `sheet_from` refuses.
+    files: in which each of the keys stands that the fitted values are `of`; sources: who measured what is in a file; texts: entries of the sheet in words.
+    FabricError for a key that comes twice and for what `sheet_from` refuses.
     """
-    data: dict[str, Any] = {"schema": 1, "name": name, "sources": {}}
+    data: dict[str, Any] = {"schema": 1, "name": name, **texts, "sources": {}}
     origins: dict[str, str] = {}
 
     def put(key: str, entry: dict[str, Any], source: str, origin: str) -> None:
@@ -52,14 +60,16 @@ def fitted_sheet(name: str, fitted: Iterable[FittedValue], given: Mapping[str, G
     alone = Counter(Path(path).name for path in paths)
     # two files of one name are told apart by their folders
     called = {path: Path(path).name if alone[Path(path).name] == 1 else path for path in paths}
+    cited = {path: file + (f" ({sources[path]})" if path in sources else "") for path, file in called.items()}
     for key, one in given.items():
-        file = called[one.file]
-        put(key, {"value": one.value}, file, f"given in {file}")
+        put(key, {"value": one.value}, called[one.file], f"given in {cited[one.file]}")
     for value in fitted:
-        names = ", ".join(dict.fromkeys(called[files[key]] for key in value.of))
-        put(value.key, {"value": float(f"{value.value:.5g}"), "note": value.note()}, f"fit of {names}", f"fitted to {names} by garmentcad fabric fit")
+        behind = dict.fromkeys(files[key] for key in value.of)
+        names, sources_of = (", ".join(terms[path] for path in behind) for terms in (called, cited))
+        put(value.key, {"value": float(f"{value.value:.5g}"), "note": value.note()}, f"fit of {names}", f"fitted to {sources_of} by garmentcad fabric fit")
     blank = [key for key in FILLED if not _given(key, set(origins))]
-    data["description"] = "Fitted to tests; the note of each fitted value holds its bounds." + (f" Not measured: {', '.join(blank)}." if blank else "")
+    how = "Fitted to tests; the note of each fitted value holds its bounds." + (f" Not measured: {', '.join(blank)}." if blank else "")
+    data["description"] = f"{texts['description']}\n{how}" if "description" in texts else how
     return sheet_from(data)
 
 

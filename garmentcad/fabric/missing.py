@@ -173,9 +173,8 @@ def complete(sheet: KesSheet) -> Completed:
 
 def _disagreements(numbers: Mapping[str, float], filled: Mapping[str, KesValue], window_deg: tuple[float, float]) -> Iterator[Finding]:
     """Where what was filled does not agree with what was given, or the laws cannot have both."""
-    for name in dict.fromkeys(key.partition(".")[0] for key in filled):
-        if f"{name}.mean" not in filled:
-            yield from _off_mean(numbers, name, ", which follow from other values")
+    for name in dict.fromkeys(key.partition(".")[0] for key in filled if key.endswith((".warp", ".weft"))):  # given ones are held against their mean as given
+        yield from _off_mean(numbers, name, ", which follow from other values")
     slope, narrow, wide = (0.5 * (numbers[f"{name}.warp"] + numbers[f"{name}.weft"]) for name in ("G", "2HG", "2HG5"))
     if elastic_slope(slope, narrow, wide, window_deg) <= LEAST_ELASTIC * slope:
         yield Finding("warning", "2HG5", f"with 2HG = {narrow:g} and 2HG5 = {wide:g} friction rises about as fast as G = {slope:g}; G/10 is left")

@@ -73,6 +73,14 @@ class Label(NamedTuple):
     factor: float
 
 
+class LabelParts(NamedTuple):
+    """What a label says: its quantity, its direction ("" for none), and the letters of the rest: of a unit, none, or of what is not understood."""
+
+    quantity: Quantity
+    way: str
+    rest: str
+
+
 def label_words(text: str) -> list[str]:
     """Words of a label in small letters; exponents and the micro sign become plain letters, all punctuation separates."""
     plain = text.lower()
@@ -84,8 +92,8 @@ def label_words(text: str) -> list[str]:
 _FACTORS = {quantity: {"": 1.0} | {"".join(label_words(unit)): factor for unit, factor in units.items()} for quantity, units in _UNITS.items()}
 
 
-def read_label(text: str, quantities: Mapping[str, Quantity] = QUANTITIES) -> Label | None:
-    """Meaning of a label among `quantities`, or None where any part of it is not understood (`B sd`, `DC %`, `B [lbf in]`)."""
+def label_parts(text: str, quantities: Mapping[str, Quantity]) -> LabelParts | None:
+    """Parts of a label that names one of `quantities`, else None. Parts may be no good: a direction that the quantity does not have, a rest that is no unit."""
     words: list[str] = []
     for word in label_words(text):
         numbered = _NUMBERED.fullmatch(word) if word.upper() not in FIT_QUANTITIES else None
@@ -101,23 +109,44 @@ def read_label(text: str, quantities: Mapping[str, Quantity] = QUANTITIES) -> La
     quantity = quantities[name]
     way, rest = "", []
     for word in words:
-        if quantity.directions and not way and DIRECTIONS.get(word) in quantity.directions:
+        if not way and DIRECTIONS.get(word) in (quantity.directions or DIRECTIONS.values()):
             way = DIRECTIONS[word]
         elif word != name.lower():  # `bending rigidity B`
             rest.append(word)
-    factor = _FACTORS[quantity.unit].get("".join(rest))
-    if factor is None:
-        return None
-    return Label(f"{name}.{way or 'mean'}" if quantity.directions else name, factor)
+    return LabelParts(quantity, way, "".join(rest))
 
 
-def unit_fault(label: str, unit: str, quantities: Mapping[str, Quantity] = QUANTITIES) -> str | None:
-    """What to say of a unit, in a cell of its own or in brackets behind the label, that is none of what the label means; None where that is not the fault."""
-    match = _BRACKETED.fullmatch(label)
-    if not unit and match:
-        label, unit = match["label"], match["unit"]
-    meant = read_label(label, quantities)
-    if meant is None or read_label(f"{label} {unit}", quantities) is not None:
+def value_key(quantity: Quantity, way: str) -> str:
+    """Key of the sheet; no direction is the mean."""
+    return f"{quantity.name}.{way or 'mean'}" if quantity.directions else quantity.name
+
+
+def unit_factor(unit: str, quantity: Quantity) -> float | None:
+    """Factor from a unit to the testers', which is also that of no unit; None for what is no unit of the quantity."""
+    return _FACTORS[quantity.unit].get("".join(label_words(unit)))
+
+
+def read_label(text: str, quantities: Mapping[str, Quantity] = QUANTITIES) -> Label | None:
+    """Meaning of a label among `quantities`, or None where any part of it is not understood (`B sd`, `DC %`, `B [lbf in]`)."""
+    parts = label_parts(text, quantities)
+    factor = None if parts is None else unit_factor(parts.rest, parts.quantity)
+    if parts is None or factor is None or (parts.way and not parts.quantity.directions):
         return None
-    allowed = _UNITS[quantities[meant.key.partition(".")[0]].unit]
-    return f"the unit {unit[:30]!r} for {meant.key}; allowed are {', '.join(allowed) or 'none'}"
+    return Label(value_key(parts.quantity, parts.way), factor)
+
+
+def wrong_unit(unit: str, way: str, quantity: Quantity) -> str:
+    """What to say of a unit that is none of the quantity."""
+    return f"the unit {unit[:30]!r} for {value_key(quantity, way)}; allowed are {', '.join(_UNITS[quantity.unit]) or 'none'}"
+
+
+def label_fault(text: str, quantities: Mapping[str, Quantity], way: str = "") -> str:
+    """Why a label is not read. way: its direction, where that stands elsewhere."""
+    match = _BRACKETED.fullmatch(text)
+    parts = label_parts(match["label"] if match else text, quantities)
+    if parts is not None and unit_factor(parts.rest, parts.quantity) is not None:
+        if match and unit_factor(match["unit"], parts.quantity) is None:
+            return wrong_unit(match["unit"], parts.way or way, parts.quantity)
+        if parts.way and not parts.quantity.directions:
+            return f"{parts.quantity.name} is one number without directions"
+    return "a FAST value, of which `garmentcad fabric fit` makes a sheet" if read_label(text, FAST_QUANTITIES) else "not understood"
