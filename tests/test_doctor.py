@@ -220,6 +220,13 @@ def test_thin_enough_for_a_finer_grid() -> None:
     assert findings(lambda data: data["panels"].update(strip=strip), grid_mm=7.5) == []
 
 
+def test_too_thin_for_any_grid() -> None:
+    """The finest grid is 2 mm; one of 0.5 was advised."""
+    strip = square(points={"a": [0, 0], "b": [300, 0], "c": [300, 2], "d": [0, 2]}, notches=[])
+    (finding,) = findings(lambda data: data["panels"].update(strip=strip))
+    assert (finding.code, finding.remedy) == ("panel-too-small", "Make the panel wider.")
+
+
 @pytest.mark.parametrize(("apart", "remedy"), [(1.5, "Move them apart."), (2.5, "Use a grid of at most 2.5 mm, or move them apart.")])
 def test_folds_that_no_grid_tells_apart(apart: float, remedy: str) -> None:
     """The finest grid is 2 mm."""

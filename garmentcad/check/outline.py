@@ -9,6 +9,7 @@ import shapely
 
 from garmentcad.check.finding import Finding
 from garmentcad.check.fold import check_folds
+from garmentcad.cloth.lattice import GRID_MM
 from garmentcad.geometry.polygon import crossing_point, loop_points
 from garmentcad.pattern.pattern import Edge, Panel
 
@@ -88,10 +89,11 @@ def _check_size(polygon: shapely.Polygon, grid_mm: float, file: str | None, key:
         return  # a circle of radius area / length goes into any outline (Bonnesen); to find the largest one takes as long as all other checks of a panel
     width = 2.0 * shapely.maximum_inscribed_circle(polygon, tolerance=0.1).length
     if width < 2.0 * grid_mm:
+        finest = np.floor(width) / 2
         yield Finding(
             "error" if width < grid_mm else "warning", "panel-too-small", file, key,
             f"the panel is {width:.1f} mm wide where it is widest; a grid of {grid_mm:g} mm wants {2 * grid_mm:g} mm and needs {grid_mm:g} mm",
-            f"Use a grid of at most {max(0.5, np.floor(width) / 2):g} mm, or make the panel wider.",
+            "Make the panel wider." if finest < GRID_MM[0] else f"Use a grid of at most {finest:g} mm, or make the panel wider.",
         )  # fmt: skip
 
 
