@@ -9,7 +9,9 @@ from garmentcad.geometry.intersection import crossing_triangle_pairs, crossing_t
 
 # Where a sharp part of the body stands out between particles, their triangles are moved off it by so many parts of the spacing, so many times.
 _LIFT, _LIFTS = 0.05, 8
-_TURNS = 8  # of a corner, each half-way to where its neighbours lie; one was enough where it was seen
+# Of a corner, each half-way to where its neighbours lie. One was enough after welding where it was seen; tops of pleats, whose two sides are sewn to one point
+# beside their fold and lie on each other on the finer lattice, take up to eleven.
+_TURNS = 24
 
 
 def off_body(positions: np.ndarray, triangles: np.ndarray, vertices: np.ndarray, faces: np.ndarray, spacing: float) -> np.ndarray:

@@ -382,7 +382,7 @@ def _refined_state(before: tuple[Cloth, ForceAssembly], state: State, after: tup
     coarse, fine = before[0], after[0]
     both = refined(coarse, np.hstack([state.positions, state.velocities]), fine)
     positions, velocities = np.ascontiguousarray(both[:, :3]), np.ascontiguousarray(both[:, 3:])
-    positions = off_body(positions, fine.particle_triangles, mannequin.vertices, mannequin.faces, fine.spacing)
+    positions = off_body(turned_out(positions, fine.particle_triangles), fine.particle_triangles, mannequin.vertices, mannequin.faces, fine.spacing)
     crossings = len(crossing_triangle_pairs(positions, fine.particle_triangles))
     crossings += len(crossing_triangle_pairs_between(positions, fine.particle_triangles, mannequin.vertices, mannequin.faces))
     if crossings:
