@@ -127,6 +127,7 @@ FAULTS: list[tuple[Callable[[dict[str, Any]], Any], str, str]] = [
     (lambda d: d.update(tests={"x": {"spec": "y"}}), "tests.x.spec", "unknown key"),
     (lambda d: d.update(tests={"x y": {}}), "tests.x y", "a name starts with a letter"),
     (lambda d: d["parameters"].update({"sqrt": {"value": 1}}), "parameters.sqrt", "not a function"),
+    (lambda d: d["parameters"].update({"in": {"value": 1}}), "parameters.in", "or a word of Python"),
     (lambda d: d["values"].update({"a-b": 1}), "values.a-b", "used in expressions"),
 ]
 

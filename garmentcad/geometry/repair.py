@@ -88,9 +88,10 @@ def _closed(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.nda
             here = after.pop(here)
         if here != start:
             return vertices, faces, []
-        middle, number = vertices[loop].mean(axis=0), len(vertices) + len(middles)
+        rim, number = vertices[loop], len(vertices) + len(middles)
+        middle = rim.mean(axis=0)
         fan = np.array([[b, a, number] for a, b in zip(loop, loop[1:] + loop[:1])])
-        area = float(_areas(np.vstack([vertices, *middles, middle]), fan).sum())
+        area = float(_areas(np.vstack([rim, middle]), np.array([[(k + 1) % len(loop), k, len(loop)] for k in range(len(loop))])).sum())
         if area > FILLED * whole:
             return vertices, faces, []
         added.append(fan)

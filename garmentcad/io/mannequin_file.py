@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field
+from pydantic import AfterValidator, Field
+from pydantic_core import PydanticCustomError
 
 from garmentcad.arrays import FrozenDict, frozen
 from garmentcad.errors import FileError, MannequinError, did_you_mean
@@ -31,12 +32,18 @@ from garmentcad.schema_version import SchemaVersion, as_written
 BodyLine = Literal["knee", "crotch", "hip", "waist", "bust", "armpit", "shoulder", "neck_front", "nape"]
 
 
+def _scan_name(name: str) -> str:
+    if set(name) & set("/\\") or not name.lower().endswith(MESH_ENDINGS):
+        raise PydanticCustomError("scan", "{said}", {"said": f"a file beside this one is wanted, with the ending {', '.join(MESH_ENDINGS)}"})
+    return name
+
+
 class ScanSpec(Model):
     """A body scan with what is known of it. unit: of its numbers; heights: of body lines above the floor, mm, in place of those by proportion."""
 
     schema_version: SchemaVersion = Field(default=1, alias="schema")
     units: Literal["mm"] = "mm"
-    scan: Annotated[str, Field(pattern=r"^[^/\\]+\.(obj|ply|stl|glb)$")]
+    scan: Annotated[str, AfterValidator(_scan_name)]
     description: str = ""
     unit: Literal["m", "dm", "cm", "inch", "mm"] | None = None
     heights: dict[BodyLine, Annotated[float, Field(strict=True)]] = Field(default_factory=dict)
@@ -65,7 +72,7 @@ def read_mannequin(name_or_path: str | Path) -> Mannequin:
     text = str(name_or_path)
     suffix = Path(text).suffix.lower()
     if suffix in MESH_ENDINGS:
-        return _scanned(ScanSpec(scan=Path(text).name), text)
+        return _scanned(parse_model(ScanSpec, {"scan": Path(text).name}, text), text)
     if suffix not in (".yaml", ".yml", "") or (suffix == "" and "/" in text):
         raise FileError(f"the ending {suffix!r} is not that of a mannequin; allowed: .yaml, {', '.join(MESH_ENDINGS)}", file=text)
     path = Path(text) if suffix else shipped_file("mannequins", text)

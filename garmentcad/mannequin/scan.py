@@ -37,7 +37,8 @@ def mannequin_of_scan(
 ) -> Mannequin:
     """The mannequin of a closed scan: vertices (V,3) m, y up, facing +z, arms away from the body, legs apart; it is moved to the floor and to x = 0.
 
-    `estimated` names what rests on proportions: all landmarks but waist and hip, all heights and lengths. Girths are taped in those planes.
+    `estimated` names what rests on proportions: all landmarks but waist and hip, all heights and lengths, and of the girths, which are taped in those planes,
+    those that change fast from plane to plane: neck base (17 % too low on shipped women, whose necks begin lower), upper arm and wrist.
     heights_mm: of body lines above the floor, in place of those by proportion; repairs: what was done to the surface, and what else is to be said of it.
     MannequinError when a plane misses the body (not a standing body with two legs and two arms), its head is missing, or hands or toes tell that it faces
     elsewhere.
@@ -67,7 +68,7 @@ def mannequin_of_scan(
     if (counts < 3).any():
         raise MannequinError(f"no {PART_NAMES[int(counts.argmin())]} is found where a standing body has it (y up, facing +z, arms away from the body)")
     measured = _measurements(points, faces, part, marks, heights, stature)
-    girths = ("bust", "waist", "hip", "neck_base", "top_arm", "wrist", "thigh", "stature")
+    girths = ["bust", "waist", "hip", "thigh", "stature", *(["neck_base"] if {"nape", "neck_front"} <= given.keys() else [])]
     return Mannequin(
         name=name,
         vertices=frozen(floats(points)),

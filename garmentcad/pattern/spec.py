@@ -6,6 +6,7 @@ Lengths are millimetres, angles degrees; wherever a number stands, an expression
 from __future__ import annotations
 
 import re
+from keyword import iskeyword
 from numbers import Integral, Real
 from typing import Annotated, Any, Literal
 
@@ -55,8 +56,10 @@ def _name(value: str) -> str:
 
 
 def _variable(value: str) -> str:
-    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,63}", value) or value in FUNCTIONS:
-        raise PydanticCustomError("variable", "a name used in expressions starts with a letter, has at most 64 letters, digits and _, and is not a function")
+    if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,63}", value) or value in FUNCTIONS or iskeyword(value):
+        raise PydanticCustomError(
+            "variable", "a name used in expressions starts with a letter, has at most 64 letters, digits and _, and is not a function or a word of Python (in)"
+        )
     return value
 
 
