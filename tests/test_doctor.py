@@ -118,6 +118,8 @@ FAULTS: list[tuple[str, Callable[[dict[str, Any]], Any], str, str, str, str]] = 
     ("short", lambda d: (d["panels"]["front"]["points"].update(e=[300, 0.4]), d["panels"]["front"]["edges"].insert(1, {"name": "z", "from": "b", "to": "e"}),
                          d["panels"]["front"]["edges"][2].update({"from": "e"}), d["seams"][0].update(a=["front.right.c", "front.right.e"])),
      "warning", "edge-short", "panels.front.edges.z", "0.400 mm long"),
+    ("hem that is sewn", lambda d: d["panels"]["front"]["edges"][1].update(role="hem"),
+     "warning", "role-sewn", "panels.front.edges.right", "has the role hem and is sewn in seam"),
     ("narrow", lambda d: d["panels"].update(strip=square(points={"a": [0, 0], "b": [300, 0], "c": [300, 15], "d": [0, 15]}, notches=[])),
      "warning", "panel-too-small", "panels.strip", "15.0 mm wide"),
     ("too narrow", lambda d: d["panels"].update(strip=square(points={"a": [0, 0], "b": [300, 0], "c": [300, 6], "d": [0, 6]}, notches=[])),

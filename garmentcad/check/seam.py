@@ -11,6 +11,7 @@ from garmentcad.pattern.runs import side_length, side_notches
 _ABSOLUTE_MM, _RELATIVE = 3.0, 0.02  # a seam may be off by the larger of the two
 _NOTE_MM = 0.5
 _DART_MM = 1.0
+_FREE = ("hem", "cuff")  # roles of edges that are sewn to nothing
 
 
 def check_seams(pattern: Pattern, file: str | None) -> Iterator[Finding]:
@@ -29,6 +30,19 @@ def check_seams(pattern: Pattern, file: str | None) -> Iterator[Finding]:
                     "An edge belongs to one seam: take it out of one of them, split the edge at a new point, or let a third layer be caught_in the seam.",
                 )  # fmt: skip
             owner.setdefault(place, seam.name)
+    yield from _check_roles(pattern, owner, file)
+
+
+def _check_roles(pattern: Pattern, owner: dict[tuple[str, int], str], file: str | None) -> Iterator[Finding]:
+    """Edges with the role of a free end that are sewn: a hem's height, range and folds would be measured along a seam. owner: seam of (panel, edge)."""
+    for (name, number), seam in owner.items():
+        edge = pattern.panels[name].edges[number]
+        if edge.role in _FREE and edge.dart is None:
+            yield Finding(
+                "warning", "role-sewn", file, f"panels.{name}.edges.{edge.name}",
+                f"the edge has the role {edge.role} and is sewn in seam {seam}; what the report says of a {edge.role} is measured along it",
+                f"Leave the role out: the {edge.role} is the edge that stays free.",
+            )  # fmt: skip
 
 
 def _check_length(pattern: Pattern, seam: Seam, file: str | None) -> Iterator[Finding]:
