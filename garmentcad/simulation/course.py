@@ -182,21 +182,21 @@ class Course:
 
     def set_phase(self, state: State) -> None:
         """Forces, masses and damping of the phase in which the state is."""
-        dynamics, true = self.dynamics, self._is_true(state)
+        dynamics, true_motion = self.dynamics, self._in_true_motion(state)
         dynamics.steady = state.phase != "fall"
         # While soft cloth falls in drape mode its tension comes back within a stretch of steps; the bound of the frequency covers that.
-        dynamics.measured = dynamics.steady or true
+        dynamics.measured = dynamics.steady or true_motion
         # The shares of contact and of a pin or button that it holds against depend on inertia: what is to be at rest with true masses settles with them. So
         # does what rang in a watch, because the change of masses set it off.
         truly = dynamics.constraint is not None or self._buttoned or _TRULY in state.run
-        dynamics.equalise = not true and (state.phase == "fall" or (state.phase == "settle" and not truly))
+        dynamics.equalise = not true_motion and (state.phase == "fall" or (state.phase == "settle" and not truly))
         # What is held may tremble in longer steps than its own, by a ten-thousandth of a millimetre: nothing for motion, but too much for rest.
         dynamics.staged = state.phase in ("fall", "watch") and _PLAIN not in state.run
         dynamics.lighten = state.phase == "settle" and _CALM in state.run
         thrown = self._tied and state.phase == "fall"
-        dynamics.speed_cap_m_s = self._cap if not true else THROWN_M_S if thrown else math.inf
+        dynamics.speed_cap_m_s = (THROWN_M_S if thrown else math.inf) if true_motion else self._cap
         softness = 1.0
-        if not true and state.phase == "fall":
+        if not true_motion and state.phase == "fall":
             left = max(0.0, FALL_S - (state.time_s - state.run["phase_from_s"]))
             softness = float(self._softness ** min(1.0, left / STIFFEN_S))
             if left < STIFFEN_S and _SLIPS not in state.run:
@@ -207,9 +207,9 @@ class Course:
             dynamics.softness = softness
         settling = state.contact.get("settle_drag", SETTLE_MOST if dynamics.equalise else SETTLE_DRAG)
         drags: dict[str, float | np.ndarray] = {"fall": FALL_DRAG, "settle": settling, "watch": WATCH_DRAG}
-        dynamics.drag = AIR_DRAG if true else drags[state.phase]
+        dynamics.drag = AIR_DRAG if true_motion else drags[state.phase]
 
-    def _is_true(self, state: State) -> bool:
+    def _in_true_motion(self, state: State) -> bool:
         """Whether cloth moves as it does by itself, with its own masses and tension."""
         return self.mode == "dynamics" or (self._small and state.phase == "fall")
 
@@ -233,7 +233,7 @@ class Course:
                 state.run.pop(_SLIPS, None)
                 state.phase = "rest"
             elif fallen >= FALL_S:
-                if not self._is_true(state):
+                if not self._in_true_motion(state):
                     # From here on the cloth is loaded as if it had not been soft: the strain of that, and its way back, leave no trace in its friction.
                     self.dynamics.forces.slacken(state.friction, state.positions, TENSION)
                 self._enter(state, "settle")

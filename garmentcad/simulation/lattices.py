@@ -16,8 +16,8 @@ from garmentcad.simulation.job import Job
 from garmentcad.units import MM_TO_M
 
 COARSEST_MM = 25.0
-# Coarse spacings along the side of a square as large as the largest panel. An estimate: a disc of 240 mm over a pedestal has 7 folds at 10 mm, in both modes,
-# and 4 where it falls at 20 mm (docs/studies/agreement.md).
+# Coarse spacings along the side of a square as large as the largest panel. An estimate: a disc of 240 mm over a pedestal has 6 folds at 10 mm
+# (docs/studies/agreement.md), and 4 where it falls at 20 mm.
 FEWEST_CELLS = 20.0
 # Gathers fold as they are sewn, as finely as the lattice lets them, and folds of a coarse one stay on the fine one: of a ruffle gathered 1.6 to 1 and sewn at
 # 20 mm three folds were left in a front, and ten where it was sewn at 10. By more than this, cloth over seam, no lattice is coarser.
