@@ -255,6 +255,11 @@ def test_numbers_under_a_blank_header_are_reported(tmp_path: Path) -> None:
     assert [str(finding) for finding in result.findings] == ["warning: line 1, column '': not understood; its 1 values are not used"]
 
 
+def test_a_number_where_the_unit_belongs_is_reported(tmp_path: Path) -> None:
+    (finding,) = read(tmp_path, "property;unit;warp;weft\nW;mg/cm2;19;\nLT;0.6;;\nB;;0.06;0.05\nG;gf/(cm.deg);-;-\n").findings
+    assert (finding.key, finding.message) == ("line 3, unit of 'LT'", "the number 0.6 stands where its unit belongs; it is not used")
+
+
 def test_a_text_may_stand_in_any_column(tmp_path: Path) -> None:
     text = "property;direction;unit;warp;weft\nname;;Linen plain;;\nfibre;linen;;;\nweave;;-;;plain\nsource;;text;mill;mill\nW;;g/m2;168;\n"
     (sheet,) = read(tmp_path, text).sheets

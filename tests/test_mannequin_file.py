@@ -125,7 +125,7 @@ def test_scan_with_holes_and_known_heights(tmp_path):
     scan = read_mannequin(written(tmp_path, text))
     lost = known.measurements_mm["stature"] - scan.measurements_mm["stature"]
     assert 0 < lost < 40
-    assert sum("hole" in repair for repair in scan.repairs) >= 3
+    assert sum("hole" in note for note in scan.notes) >= 3
     for level in ("bust", "waist", "hip"):
         assert scan.measurements_mm[level] == pytest.approx(known.measurements_mm[level], rel=0.015)  # the soles are gone: planes lie a little lower
         assert f"{level}_height" not in scan.estimated
@@ -171,7 +171,7 @@ def test_of_a_scan_that_stands_a_little_askew_is_said_where_girths_suffer(tmp_pa
     turned.apply_transform(trimesh.transformations.rotation_matrix(np.radians(degrees), [0.0, 1.0, 0.0]))
     turned.export(tmp_path / "turned.obj")
     body = read_mannequin(tmp_path / "turned.obj")
-    assert any("askew" in note for note in body.repairs) == said
+    assert any("askew" in note for note in body.notes) == said
     assert (abs(body.measurements_mm["bust"] - straight.measurements_mm["bust"]) > 5.0) == said
 
 
@@ -204,21 +204,21 @@ def test_scan_with_its_head_is_read(name):
     bun, top = known.vertices.copy(), known.vertices[known.vertices[:, 1].argmax()]
     bun[:, 1] += 0.08 * np.exp(-(np.hypot(*(bun - top)[:, [0, 2]].T) ** 2) / 0.03**2) * (bun[:, 1] > 0.97 * top[1])
     turned = trimesh.transform_points(known.vertices, trimesh.transformations.rotation_matrix(np.radians(6.0), [0.0, 1.0, 0.0]))
-    assert [mannequin_of_scan(points, known.faces, name=name).repairs for points in (known.vertices, turned, bun)] == [()] * 3
+    assert [mannequin_of_scan(points, known.faces, name=name).notes for points in (known.vertices, turned, bun)] == [()] * 3
 
 
 def test_of_a_scan_without_its_crown_or_with_hair_over_its_neck_is_said(tmp_path):
     known = read_mannequin("woman-88")
     stature = known.vertices[:, 1].max()
-    assert not any("neck" in note for note in read_mannequin(cut_off(tmp_path, "woman-88", stature - 0.02)).repairs)
-    notes = read_mannequin(cut_off(tmp_path, "woman-88", 0.94 * stature)).repairs
+    assert not any("neck" in note for note in read_mannequin(cut_off(tmp_path, "woman-88", stature - 0.02)).notes)
+    notes = read_mannequin(cut_off(tmp_path, "woman-88", 0.94 * stature)).notes
     assert any(re.match(r"its head rises only \d+ mm above its neck; where its crown is missing", note) for note in notes)
     hair, height = known.vertices.copy(), known.vertices[:, 1] / stature
     middle = hair[height > 0.9, 2].mean()
     beside = np.hypot(hair[:, 0], hair[:, 2] - middle)
     wider = np.where((height > 0.82) & (height < 0.92) & (np.abs(hair[:, 0]) < 0.13), np.maximum(1.0, 0.092 / np.maximum(beside, 1e-3)), 1.0)
     hair[:, 0], hair[:, 2] = hair[:, 0] * wider, middle + (hair[:, 2] - middle) * wider
-    (note,) = mannequin_of_scan(hair, known.faces, name="hair").repairs
+    (note,) = mannequin_of_scan(hair, known.faces, name="hair").notes
     assert note.startswith("no neck is seen below the head, as where hair lies over it")
 
 
@@ -233,7 +233,7 @@ def test_of_a_scan_with_raised_arms_is_said_what_suffers(degrees):
     raised[:, 0] = around[:, 0] + np.cos(turn) * x - np.sin(turn) * y
     raised[:, 1] = around[:, 1] + np.sin(turn) * x + np.cos(turn) * y
     made = mannequin_of_scan(raised, known.faces, name="arms")
-    said = [note for note in made.repairs if "arm is raised" in note]
+    said = [note for note in made.notes if "arm is raised" in note]
     assert len(said) == (0 if degrees < 80.0 else 2)
     if degrees < 80.0:
         assert made.measurements_mm["top_arm"] == pytest.approx(known.measurements_mm["top_arm"], abs=5.0)
@@ -307,3 +307,16 @@ def test_shipped_names_and_model():
         assert {"waist_level", "hip_level", "shoulder", "elbow", "wrist"} <= set(model.joint_names)
         assert np.all(model.base[: model.border, 0] == 0)
         assert model.base[model.border :, 0].min() > 0
+
+
+def test_measurements_that_a_body_does_not_get_are_said(tmp_path):
+    made = read_mannequin(written(tmp_path, GOOD.replace("hip: 960", "hip: 960, shoulder: 180, arm_length: 600, nape_to_waist: 400")))
+    assert made.notes == (f"shoulder comes out at {made.measurements_mm['shoulder']:.0f} mm where 180 mm were given",)
+    assert made.measurements_mm["shoulder"] < 160.0
+
+
+@pytest.mark.parametrize(("name", "value"), [("waist_to_hip", 10), ("shoulder", 400), ("armscye_depth", 60)])
+def test_measurements_that_go_with_no_body_of_these_sizes_are_refused(tmp_path, name, value):
+    with pytest.raises(MannequinError, match="does not go with the other measurements") as refused:
+        read_mannequin(written(tmp_path, GOOD.replace("hip: 960", f"{name}: {value}")))
+    assert refused.value.key == f"measurements.{name}"

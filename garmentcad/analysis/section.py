@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from garmentcad.arrays import entry, indices, kernel, rows_by_key
+
 
 @dataclass(frozen=True)
 class Plane:
@@ -95,71 +97,89 @@ def cut(positions: np.ndarray, triangles: np.ndarray, plane: Plane) -> list[Chai
     corners = triangles[crossed[:, None, None], ends]  # (S, 2 ends, 2 particles)
     fraction = height[corners[..., 0]] / (height[corners[..., 0]] - height[corners[..., 1]])
     points = positions[corners[..., 0]] + fraction[..., None] * (positions[corners[..., 1]] - positions[corners[..., 0]])
-    # Segments by mesh edge, each edge's in order: those of edge e are beside[starts[e] : starts[e + 1]].
-    keys = (corners.min(axis=2).astype(np.int64) * len(positions) + corners.max(axis=2)).ravel()
-    order = np.argsort(keys, kind="stable")
-    begins = np.diff(keys[order], prepend=-1) > 0
-    edge_of = np.empty(len(keys), dtype=np.int64)
-    edge_of[order] = np.cumsum(begins) - 1
-    beside, starts, edges = (order // 2).tolist(), [*np.flatnonzero(begins).tolist(), len(keys)], edge_of.reshape(-1, 2).tolist()
-    used = [False] * len(crossed)
-
-    def walk(segment: int, side: int) -> list[tuple[int, int]]:
-        """Segments from `segment` on, leaving it through its end `side`: (segment, side through which it is left)."""
-        path = [(segment, side)]
-        while True:
-            edge = edges[segment][side]
-            following = next((other for other in beside[starts[edge] : starts[edge + 1]] if not used[other]), None)
-            if following is None:
-                return path
-            used[following] = True
-            segment, side = following, 1 - edges[following].index(edge)
-            path.append((segment, side))
-
-    chains = []
-    for first in range(len(crossed)):
-        if used[first]:
-            continue
-        used[first] = True
-        path = walk(first, 1)
-        last, left = path[-1]
-        if len(path) <= 2 or edges[last][left] != edges[first][0]:
-            path = [(segment, 1 - side) for segment, side in reversed(walk(first, 0)[1:])] + path
-        for part, closed in _apart(path, edges):
-            segments = np.array([segment for segment, _ in part])
-            exits = np.array([side for _, side in part])
-            enters = 1 - exits
-            line = points[segments, enters]
-            if not closed:
-                line = np.vstack([line, points[segments[-1:], exits[-1:]]])
-            chains.append(
-                Chain(
-                    line,
-                    crossed[segments],
-                    closed,
-                    ends[segments, enters],
-                    fraction[segments, enters],
-                    ends[segments, exits],
-                    fraction[segments, exits],
-                )
-            )
+    keys = corners.min(axis=2).astype(np.int64) * len(positions) + corners.max(axis=2)
+    edge_of = np.unique(keys.ravel(), return_inverse=True)[1].ravel()
+    starts, beside = rows_by_key(edge_of, int(edge_of.max()) + 1)  # segments by mesh edge, each edge's in order
+    count = len(crossed)
+    paths, begins, closed = np.empty((count, 2), dtype=np.int32), np.zeros(count + 1, dtype=np.int32), np.zeros(count, dtype=np.int32)
+    edges, route, before, used = indices(edge_of.reshape(-1, 2)), np.empty((2 * count, 2), dtype=np.int32), np.full(len(starts), -1), np.zeros(count, np.int32)
+    found = _walk((starts, beside // 2, edges, used), route, before, paths, begins, closed)
+    chains = [_chain(paths[begins[k] : begins[k + 1]], bool(closed[k]), crossed, ends, fraction, points) for k in range(found)]
     return sorted(chains, key=lambda chain: int(chain.triangles.min()))
 
 
-def _apart(path: list[tuple[int, int]], edges: list[list[int]]) -> list[tuple[list[tuple[int, int]], bool]]:
-    """A path of segments, each with the side through which it is left, as the loops in it and what is left of it, and whether each is closed. edges: of both
-    sides of each segment."""
-    found: list[tuple[list[tuple[int, int]], bool]] = []
-    way: list[tuple[int, int]] = []
-    entered = {edges[path[0][0]][1 - path[0][1]]: 0}  # how many segments of the way lie before an edge
-    for segment, side in path:
-        way.append((segment, side))
-        edge = edges[segment][side]
-        since = entered.get(edge)
-        if since is not None and len(way) - since > 2:
-            found.append((way[since:], True))
-            del way[since:]
-            entered = {other: before for other, before in entered.items() if before <= since}
-        else:
-            entered[edge] = len(way)
-    return found + ([(way, False)] if way else [])
+def _chain(path: np.ndarray, closed: bool, crossed: np.ndarray, ends: np.ndarray, fraction: np.ndarray, points: np.ndarray) -> Chain:
+    """The chain of a path (N,2) of segments, each with the side through which it is left."""
+    segments, exits = path.T
+    enters = 1 - exits
+    line = points[segments, enters]
+    if not closed:
+        line = np.vstack([line, points[segments[-1:], exits[-1:]]])
+    return Chain(line, crossed[segments], closed, ends[segments, enters], fraction[segments, enters], ends[segments, exits], fraction[segments, exits])
+
+
+@kernel
+def _follow(mesh, segment, side, step, route, at):  # type: ignore[no-untyped-def]
+    """Goes on from a segment at row `at` of the route, through its end `side`, as far as there are segments, a row up (step 1) or down (-1) for each; returns
+    the last row. Rows say through which side a segment is left by who goes up."""
+    starts, beside, edges, used = mesh
+    while True:
+        edge, following = edges[segment, side], -1
+        for k in range(starts[edge], starts[edge + 1]):
+            if not used[beside[k]]:
+                following = beside[k]
+                break
+        if following < 0:
+            return at
+        used[following] = 1
+        segment, side = following, 1 if edges[following, 0] == edge else 0
+        at += step
+        route[at, 0], route[at, 1] = segment, side if step > 0 else 1 - side
+
+
+@entry
+@kernel
+def _walk(mesh, route, before, paths, begins, closed):  # type: ignore[no-untyped-def]
+    """Paths of segments, each with the side through which it is left, in `paths` (S,2), where each begins in it, and whether it is closed; returns how many
+    there are. mesh: segments of each edge (starts, segments), edges of both sides of each segment (S,2), used (S,) 0; route (2S,2): room for a way; before:
+    by edge, room for how many segments of the way lie before it, -1."""
+    edges, used, middle = mesh[2], mesh[3], len(paths)
+    found = written = 0
+    for segment in range(middle):
+        if used[segment]:
+            continue
+        used[segment] = 1
+        route[middle, 0], route[middle, 1] = segment, 1
+        first, last = middle, _follow(mesh, segment, 1, 1, route, middle)
+        if last - first < 2 or edges[route[last, 0], route[last, 1]] != edges[segment, 0]:
+            first = _follow(mesh, segment, 0, -1, route, middle)
+        # Loops are taken out of the way as soon as it is back at an edge: rows first to end stay.
+        entered, end = edges[route[first, 0], 1 - route[first, 1]], first
+        before[entered] = 0
+        for row in range(first, last + 1):
+            route[end, 0], route[end, 1] = route[row, 0], route[row, 1]
+            end += 1
+            edge = edges[route[row, 0], route[row, 1]]
+            since = before[edge]
+            if since < 0 or end - first - since <= 2:
+                before[edge] = end - first
+                continue
+            for k in range(first + since, end):
+                paths[written, 0], paths[written, 1] = route[k, 0], route[k, 1]
+                written += 1
+                passed = edges[route[k, 0], route[k, 1]]
+                if before[passed] > since:
+                    before[passed] = -1
+            end = first + since
+            closed[found] = 1
+            found += 1
+            begins[found] = written
+        before[entered] = -1
+        for k in range(first, end):
+            paths[written, 0], paths[written, 1] = route[k, 0], route[k, 1]
+            written += 1
+            before[edges[route[k, 0], route[k, 1]]] = -1
+        if end > first:
+            found += 1
+            begins[found] = written
+    return found

@@ -35,15 +35,15 @@ def show(
     body = read_mannequin(name)
     radii = {part: (M_TO_MM * around.radius_ref, M_TO_MM * around.radius_side) for part, around in body.cylinders.items()}
     if as_json:
-        found = {"mannequin": body.name, "measurements_mm": body.measurements_mm, "estimated": list(body.estimated), "repairs": list(body.repairs)}
+        found = {"mannequin": body.name, "measurements_mm": body.measurements_mm, "estimated": list(body.estimated), "notes": list(body.notes)}
         print(json.dumps(found | {"cylinder_radii_mm": radii}))
         return
     for key, value in sorted(body.measurements_mm.items()):
         print(f"{key:20} {value:8.1f} mm{'  (not measured on this body)' if key in body.estimated else ''}")
     for part, (at_0, at_90) in radii.items():
         print(f"cylinder {part:11} {at_0:8.1f} mm radius at the angle 0, {at_90:.1f} mm at 90")
-    for repair in body.repairs:
-        print(repair)
+    for note in body.notes:
+        print(note)
 
 
 @app.command("make")

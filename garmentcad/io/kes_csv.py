@@ -7,6 +7,7 @@ A value for which neither its label nor its row or column names a direction is t
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import NamedTuple
@@ -215,6 +216,9 @@ class _ByValue(_Reader):
                 # a text has neither unit nor direction: what stands there alone is the text, typed a column too far left
                 self.add_text(text, [entry.cells[role] for role in filled or entry.filled(("way", "unit"))], fabric, line)
                 continue
+            unit = entry.cells.get("unit", "")
+            if not filled and re.fullmatch(r"[-+]?[\d.,]+", unit):
+                self.skip(line, f"unit of {entry.cells['label'][:60]!r}", f"the number {unit[:60]} stands where its unit belongs; it is not used")
             for role in filled:
                 parts = label_parts(entry.cells["label"], self.quantities)
                 way = self.way(parts, role, entry) if parts else ""

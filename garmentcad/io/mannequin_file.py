@@ -103,7 +103,7 @@ def _read(path: Path, text: str) -> Mannequin:
 def _scanned(spec: ScanSpec, file: str) -> Mannequin:
     try:
         vertices, faces, notes = read_mesh(resolve_reference(spec.scan, "mannequins", Path(file).parent), spec.unit)
-        return mannequin_of_scan(vertices, faces, name=Path(file).stem, heights_mm=spec.heights, repairs=notes)
+        return mannequin_of_scan(vertices, faces, name=Path(file).stem, heights_mm=spec.heights, notes=notes)
     except MannequinError as fault:
         raise MannequinError(fault.message, file=file, key=fault.key) from None
 

@@ -24,6 +24,7 @@ from garmentcad.mannequin.tapes import GIRTHS
 from garmentcad.units import MM_TO_M
 
 _REACHED_MM = 2.0
+_SAID_MM = 10.0  # a measurement that is not exact and differs by more from what was given is said
 
 
 def make_mannequin(
@@ -38,8 +39,8 @@ def make_mannequin(
     """The mannequin of the model's kind for measurements in mm (names of sizes.GIVEN; bust is a must, the others have rules).
 
     Bust, waist, hip, top arm, wrist, thigh and neck base are exact by tape (convex hull of the section, torso without arms), the heights of waist,
-    hip, knee, crotch, nape and the stature too. arm_angle_deg: arms from the vertical, 25 to 60. form: a dress form, without head
-    and arms. MannequinError for measurements that are refused.
+    hip, knee, crotch, nape and the stature too; `notes` names others that were given and come out otherwise. arm_angle_deg: arms from the
+    vertical, 25 to 60. form: a dress form, without head and arms. MannequinError for measurements that are refused.
     """
     sizes = full_sizes(model.kind, given)
     heights = wanted_heights(model.kind, sizes)
@@ -53,17 +54,19 @@ def make_mannequin(
     vertices, faces = model.whole(body.points)
     left = np.array([PART_NAMES.index(part if part in PART_NAMES else f"{part}_left") for part in model.part_names])[model.face_part]
     right = np.array([PART_NAMES.index(part if part in PART_NAMES else f"{part}_right") for part in model.part_names])[model.face_part]
+    measured = measurements(model, body, sizes, heights, marks)
     made = Mannequin(
         name=name,
         vertices=frozen(floats(vertices)),
         faces=frozen(indices(faces)),
-        measurements_mm=measurements(model, body, sizes, heights, marks),
+        measurements_mm=measured,
         landmarks=marks,
         cylinders=cylinders(model, body, heights),
         part_names=PART_NAMES,
         face_part=frozen(indices(np.r_[left, right])),
         rig=rig_of(model, body, arm_angle_deg),
         estimated=TABLE,
+        notes=_unmet(measured, given),
     )
     _check_reached(made, sizes)
     check_apart(facings(made), made.vertices, "arm_angle")
@@ -75,3 +78,9 @@ def _check_reached(made: Mannequin, sizes: Mapping[str, float]) -> None:
         found = made.measurements_mm[girth]
         if abs(found - sizes[girth]) > _REACHED_MM:
             raise MannequinError(f"{sizes[girth]:g} mm cannot be reached with the other measurements: {found:.0f} mm comes out", key=f"measurements.{girth}")
+
+
+def _unmet(measured: Mapping[str, float], given: Mapping[str, float]) -> tuple[str, ...]:
+    """What is to be said of measurements that were given and that this body does not have, mm."""
+    differ = [name for name, value in given.items() if name in measured and abs(measured[name] - value) > _SAID_MM]
+    return tuple(f"{name} comes out at {measured[name]:.0f} mm where {given[name]:g} mm were given" for name in differ)

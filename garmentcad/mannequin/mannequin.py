@@ -49,4 +49,4 @@ class Mannequin:
     face_part: np.ndarray  # (F,) int32
     rig: Rig | None = None  # of bodies that can be posed
     estimated: tuple[str, ...] = ()  # measurements and landmarks that were not found on this body but taken from a table or from proportions
-    repairs: tuple[str, ...] = ()  # what was done to a scan's surface
+    notes: tuple[str, ...] = ()  # measurements that were given and that it does not have; what was done to a scan's surface

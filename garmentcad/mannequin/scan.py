@@ -33,13 +33,13 @@ _BACK_WIDTH, _CHEST_FRONT = 0.39, 0.37  # of the bust
 
 
 def mannequin_of_scan(
-    vertices: np.ndarray, faces: np.ndarray, *, name: str, heights_mm: Mapping[Any, float] | None = None, repairs: tuple[str, ...] = ()
+    vertices: np.ndarray, faces: np.ndarray, *, name: str, heights_mm: Mapping[Any, float] | None = None, notes: tuple[str, ...] = ()
 ) -> Mannequin:
     """The mannequin of a closed scan: vertices (V,3) m, y up, facing +z, arms away from the body, legs apart; it is moved to the floor and to x = 0.
 
     `estimated` names what rests on proportions: all landmarks but waist and hip, all heights and lengths, and of the girths, which are taped in those planes,
     those that change fast from plane to plane: neck base (17 % too low on shipped women, whose necks begin lower), upper arm and wrist.
-    heights_mm: of body lines above the floor, in place of those by proportion; repairs: what was done to the surface, and what else is to be said of it.
+    heights_mm: of body lines above the floor, in place of those by proportion; notes: what was done to the surface, and what else is to be said of it.
     MannequinError when a plane misses the body (not a standing body with two legs and two arms), its head is missing, or hands or toes tell that it faces
     elsewhere.
     """
@@ -60,9 +60,9 @@ def mannequin_of_scan(
         raise MannequinError("the legs are not apart at knee height; a body that stands with its legs apart is wanted (y up, facing +z)")
     if min(points[:, 0].max(), -points[:, 0].min()) < _REACH * stature:
         raise MannequinError("the arms are not away from the body (the hands must reach out 0.18 of the stature to both sides)")
-    repairs = (*repairs, *_facing(points, stature), *_headed(points, faces, stature))
+    notes = (*notes, *_facing(points, stature), *_headed(points, faces, stature))
     marks = _landmarks(points, faces, heights, stature)
-    repairs = (*repairs, *_raised(marks))
+    notes = (*notes, *_raised(marks))
     part = _parts(points, faces, marks)
     counts = np.bincount(part, minlength=len(PART_NAMES))
     if (counts < 3).any():
@@ -78,7 +78,7 @@ def mannequin_of_scan(
         cylinders=_cylinders(points, faces, part, marks, heights),
         part_names=PART_NAMES,
         face_part=frozen(indices(part)),
-        repairs=repairs,
+        notes=notes,
         estimated=tuple(key for key in measured if key not in girths and key.removesuffix("_height") not in given)
         + tuple(key for key in marks if not key.startswith(("waist", "hip"))),
     )

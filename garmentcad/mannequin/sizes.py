@@ -54,6 +54,7 @@ _TABLE: dict[str, dict[str, tuple[float, ...]]] = {  # mm by bust; between the c
 _LENGTHS = ("nape_to_waist", "waist_to_floor", "waist_to_hip", "waist_to_knee", "body_rise", "arm_length")
 _BASE = {"woman": (880.0, 1680.0), "man": (1000.0, 1780.0)}  # bust and stature of the base sizes, mm
 _THIGH_PER_HIP = {"woman": 0.59, "man": 0.57}
+_BY_RULE = (0.6, 1.5)  # of what the rule gives for a measurement, that may be given for it: estimates
 _RANGES = {"bust": (700.0, 1400.0), "waist": (500.0, 1400.0), "hip": (700.0, 1500.0), "stature": (1400.0, 2100.0)}
 
 GIVEN = ("bust", "waist", "hip", "stature", "neck_base", "back_width", "chest_front", "shoulder", "armscye_depth", "nape_to_waist", "waist_to_hip",
@@ -81,7 +82,7 @@ def full_sizes(kind: str, given: Mapping[str, float]) -> dict[str, float]:
     rule = {name: value * scale if name in _LENGTHS else value for name, value in row.items()} | {"stature": stature}
     sizes = {name: float(given.get(name, value)) for name, value in rule.items()}
     sizes["thigh"] = float(given.get("thigh", _THIGH_PER_HIP[kind] * sizes["hip"]))
-    _check(sizes)
+    _check(sizes, rule)
     return {name: sizes[name] for name in GIVEN}
 
 
@@ -96,7 +97,7 @@ def base_sizes(kind: str) -> dict[str, float]:
     return full_sizes(kind, {"bust": _BASE[kind][0]})
 
 
-def _check(sizes: Mapping[str, float]) -> None:
+def _check(sizes: Mapping[str, float], rule: Mapping[str, float]) -> None:
     for name, (low, high) in _RANGES.items():
         if not low <= sizes[name] <= high:
             raise MannequinError(f"{sizes[name]:g} mm is outside {low:g} to {high:g} mm (are the values in mm?)", key=f"measurements.{name}")
@@ -115,6 +116,8 @@ def _check(sizes: Mapping[str, float]) -> None:
         if not low <= sizes[name] <= high:
             message = f"{sizes[name]:g} mm does not go with {reference} {sizes[reference]:g} mm; {low:.0f} to {high:.0f} mm do"
             raise MannequinError(message, key=f"measurements.{name}")
-    for name in ("back_width", "chest_front", "shoulder", "armscye_depth"):
-        if not 50.0 <= sizes[name] <= 600.0:
-            raise MannequinError(f"{sizes[name]:g} mm is outside 50 to 600 mm", key=f"measurements.{name}")
+    for name in ("back_width", "chest_front", "shoulder", "armscye_depth", "waist_to_hip"):
+        low, high = (edge * rule[name] for edge in _BY_RULE)
+        if not low <= sizes[name] <= high:
+            message = f"{sizes[name]:g} mm does not go with the other measurements, by which it would be {rule[name]:.0f} mm; {low:.0f} to {high:.0f} mm do"
+            raise MannequinError(message, key=f"measurements.{name}")

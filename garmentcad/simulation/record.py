@@ -62,7 +62,7 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
         seams = _seams(outcome)
     fallen = _fallen(state, body) if finite else []
     crossed = () if faults is None else faults.said
-    repairs = [f"mannequin {body.name}: {repair}" for repair in body.repairs]
+    notes = [f"mannequin {body.name}: {note}" for note in body.notes]
     made = RunRecord(
         garment=job.pattern.name,
         fabric=job.fabrics[job.pattern.fabric].sheet.name,
@@ -105,7 +105,7 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
         },
         bands=_bands(outcome) if finite else {},
         uncalibrated=not all(is_calibrated(completed.sheet) for completed in job.fabrics.values()),
-        warnings=(*outcome.warnings, *crossed, *_undone(job.pattern, held), *_torn(job.pattern, seams or {}), *fallen, *repairs, *_of_sheets(job)),
+        warnings=(*outcome.warnings, *crossed, *_undone(job.pattern, held), *_torn(job.pattern, seams or {}), *fallen, *notes, *_of_sheets(job)),
     )
     roles = edge_roles(job.pattern)
     placed = place_vertices(job.pattern, cloth, body)
