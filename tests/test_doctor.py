@@ -302,6 +302,26 @@ def test_a_factor_that_takes_a_value_out_of_the_range_of_a_sheet_is_found(factor
     assert "factor-out-of-range" not in {finding.code for finding in examine(parse_spec(data, "tube.yaml"))}
 
 
+@pytest.mark.parametrize(
+    ("factors", "said"),
+    [
+        ({"2HG5": 6}, "2HG5: with 2HG = "),
+        ({"RT": 0.2}, "RT.warp: with LT = "),
+        ({"B.bias": 0.01}, "B.bias: with B = "),
+        ({"2HG5": 6, "G": 6}, None),
+    ],
+)
+def test_factors_that_the_laws_cannot_have_together_are_found(factors: dict[str, float], said: str | None) -> None:
+    """What a sheet of such values would be told."""
+    data = copy.deepcopy(GOOD)
+    data["panels"]["front"]["regions"] = [{"name": "r", "band": {"edge": "hem", "width": 50}, "factors": factors}]
+    data["fabric"] = "cotton-shirting"
+    found = [finding for finding in examine(parse_spec(data, "tube.yaml")) if finding.code == "factor-beyond-law"]
+    assert {(finding.severity, finding.key) for finding in found} == ({("warning", "panels.front.regions.0.factors")} if said else set())
+    assert all(said and finding.message.startswith(said[:3]) for finding in found)
+    assert said is None or any(finding.message.startswith(said) for finding in found)
+
+
 def test_errors_come_first() -> None:
     found = findings(lambda data: (data["seams"][1].update(ease=0.5), data["panels"]["back"]["notches"].pop(1)))
     ranks = [("error", "warning", "note").index(finding.severity) for finding in found]

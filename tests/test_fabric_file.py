@@ -73,6 +73,18 @@ def test_bad_file_is_refused_with_its_place(old: str, new: str, key: str | None,
         assert caught.value.key == key
 
 
+def test_what_is_lost_of_a_table_is_said(tmp_path: Path) -> None:
+    """By a warning where a sheet is read as it is, and in the refusal of one that lost what it needs."""
+    file = tmp_path / "cloth.csv"
+    file.write_text("name;W (g/m2);B warp (g.cm2/cm);B weft (gf.cm2/cm)\nx;118;0.09;0.06\n")
+    with pytest.warns(UserWarning, match="B warp") as told:
+        assert "B.warp" not in read_fabric(file).values()
+    assert len(told) == 1
+    file.write_text("name;W (oz/yd2);B warp;B weft\nx;3.5;0.09;0.06\n")
+    with pytest.raises(FabricError, match=r"mass per area is missing.*; line 1, column 'W \(oz/yd2\)'"):
+        load_fabric(file)
+
+
 def test_good_file(tmp_path: Path) -> None:
     file = tmp_path / "cloth.yaml"
     file.write_text(GOOD)

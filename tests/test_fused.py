@@ -83,6 +83,15 @@ def test_factors_are_of_the_fabric_and_friction_too() -> None:
     assert row.areal_mass == pytest.approx(0.44)
 
 
+def test_slopes_that_were_read_over_other_windows_add_up_as_laws() -> None:
+    """The elastic part of a trellis of two is the sum of theirs, whatever window each sheet's G was read over."""
+    apart = {"G": 1.0, "2HG": 2.0, "2HG5": 8.0, "shear_window_deg": [0.5, 8.0]}
+    fabric, other = sheet(**{"2HG": 1.0, "2HG5": 2.0, "G": 0.5}), sheet(**apart, W=4.0, T0=0.2)
+    elastic = material_row(fabric).shear + material_row(other).shear
+    assert material_row(fused(fabric, other)).shear == pytest.approx(elastic, rel=1e-9)
+    assert material_row(fused(other, fabric)).shear == pytest.approx(elastic, rel=1e-9)
+
+
 def test_an_impossible_pair_names_the_value() -> None:
     with pytest.raises(FabricError, match="impossible") as caught:
         fused(FABRIC, LIGHT, {"W": 10.0})

@@ -15,12 +15,15 @@ from garmentcad.errors import SpecError
 from garmentcad.fabric.material import material_row
 from garmentcad.fabric.missing import Completed, complete
 from garmentcad.fabric.sheet import sheet_from
+from garmentcad.io.fabric_file import read_fabric
+from garmentcad.io.shipped import shipped_file
+from garmentcad.io.spec_file import read_spec
 from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.draft import draft
 from garmentcad.pattern.parse import parse_spec
 from garmentcad.pattern.pattern import Panel, named_fabrics, with_fabrics
 from garmentcad.pattern.spec import MirroredPanelSpec
-from garmentcad.simulation.job import Job
+from garmentcad.simulation.job import Job, make_job
 from garmentcad.simulation.materials import lay_out
 
 BODY = Mannequin("none", np.zeros((0, 3)), np.zeros((0, 3), np.int32), {}, {}, {}, (), np.zeros(0, np.int32))
@@ -83,7 +86,8 @@ def test_the_later_region_counts_and_its_interfacing_is_its_own() -> None:
 def test_impossible_cloth_names_the_region() -> None:
     with pytest.raises(SpecError, match="impossible") as caught:
         lay_out(job(regions=[{"name": "slab", "polygon": square(0, 100), "factors": {"W": 30}, "interfacing": "fusible"}]))
-    assert caught.value.key == "panels.p.regions.0.W"
+    assert caught.value.key == "panels.p.regions.0.interfacing"
+    assert "with 'fusible' fused to it the cloth is impossible: W = 604" in str(caught.value)
     assert caught.value.file == "x.yaml"
 
 
@@ -91,7 +95,7 @@ def test_an_interfacing_that_makes_impossible_cloth_names_the_panel() -> None:
     made, slab = job(interfacing="fusible"), completed("fusible", 89.0)
     with pytest.raises(SpecError, match="impossible") as caught:
         lay_out(replace(made, fabrics={**FABRICS, "fusible": slab}))
-    assert caught.value.key == "panels.p.W"
+    assert caught.value.key == "panels.p.interfacing"
 
 
 def test_the_interfacing_of_a_panel_has_its_key_and_goes_with_its_mirror_image_and_into_an_outfit() -> None:
@@ -128,6 +132,39 @@ def test_a_region_that_no_element_takes_is_found() -> None:
     assert found(band(3)) == [("region-without-lattice", "panels.p.regions.b3")]
     assert found(band(15)) == []
     assert found(band(15), {"name": "over", "polygon": square(0, 300), "factors": {"W": 2}}) == [("region-without-lattice", "panels.p.regions.b15")]
+
+
+def test_a_region_of_the_cloth_around_it_is_found() -> None:
+    """Not where it takes a part out of one that lies before it."""
+    plain = {"name": "plain", "polygon": square(0, 100)}
+    (finding,) = without_lattice(job(regions=[{**plain, "factors": {"B": 1}}]))
+    assert (finding.code, finding.key) == ("region-without-effect", "panels.p.regions.plain")
+    assert without_lattice(job(regions=[{"name": "over", "polygon": square(0, 300), "factors": {"W": 2}}, plain])) == []
+    assert [found.code for found in without_lattice(job(interfacing="fusible", regions=[{**plain, "interfacing": "fusible"}]))] == ["region-without-effect"]
+    assert without_lattice(job(regions=[{**plain, "interfacing": "fusible"}])) == []
+
+
+def test_a_polygon_that_crosses_itself_is_refused() -> None:
+    """Twice around, it would cover nothing."""
+    for polygon in (2 * square(0, 100), [[0, 0], [100, 100], [100, 0], [0, 50]]):
+        with pytest.raises(SpecError, match="crosses or touches itself") as refused:
+            job(regions=[{"name": "r", "polygon": polygon, "factors": {"W": 2}}])
+        assert refused.value.key == "panels.p.regions.0.polygon"
+
+
+def test_another_fabric_stands_in_place_of_the_garments_own_alone() -> None:
+    """Panels, regions and interfacings that name the fabric which the garment has, too, keep it."""
+    region = {"name": "r", "polygon": [[10, -200], [60, -200], [60, -10], [10, -10]], "fabric": "cotton-shirting"}
+    spec = read_spec(shipped_file("patterns", "straight-skirt")).model_dump(by_alias=True, exclude_unset=True)
+    spec["fabric"] = "cotton-shirting"
+    front = next(panel for panel in spec["panels"].values() if "points" in panel)
+    front |= {"regions": [region], "interfacing": "cotton-shirting"}
+    made = make_job(parse_spec(spec, "x.yaml"), fabric="denim")
+    masses = {name: done.sheet.number("W") for name, done in made.fabrics.items()}
+    assert masses == {"cotton-shirting": 11.8, "cotton-shirting*": read_fabric("denim").number("W")}
+    assert made.pattern.fabric == "cotton-shirting*"
+    plain = make_job(parse_spec(spec, "x.yaml"))
+    assert plain.pattern.fabric == "cotton-shirting"
 
 
 def test_a_band_in_pieces_counts_by_its_widest_one() -> None:

@@ -179,6 +179,7 @@ def test_means_that_disagree_are_a_finding_not_a_refusal() -> None:
             "RT.weft",
             "LT = 0.6 the law gives back 28 % at least",
         ),
+        ({"B": {"warp": 0.1, "weft": 0.06, "bias": 0.01}}, "B.bias", "with B = 0.1 in warp and 0.06 in weft the law has 0.04 in the bias at least"),
         ({"law": {"sheet_sha256": "0" * 64, "values": {"W": 21.0}}}, "law", "is not used"),
     ],
 )

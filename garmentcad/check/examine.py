@@ -32,7 +32,7 @@ from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.draft import draft_errors
 from garmentcad.pattern.outfit import OutfitSpec, put_on
 from garmentcad.pattern.parse import checked
-from garmentcad.pattern.pattern import Pattern, Region, key_of, named_fabrics, parts_of
+from garmentcad.pattern.pattern import Pattern, Region, fabric_apart, key_of, named_fabrics, parts_of
 from garmentcad.pattern.scope import with_values
 from garmentcad.pattern.spec import GarmentSpec
 from garmentcad.placement.place import place_vertices
@@ -131,6 +131,8 @@ def _examine_garment(spec: GarmentSpec, body: Mannequin, grid_mm: float, other: 
     pattern, errors = draft_errors(spec, body.measurements_mm)
     if pattern is None:
         return None, [refusal(error) for error in errors]
+    if other is not None:
+        pattern = fabric_apart(pattern)
     found = check_pattern(spec, pattern, grid_mm)
     sheets, faults = _read_sheets(spec, pattern, other)
     found += faults or _check_fabrics(spec, pattern, sheets)
@@ -162,7 +164,7 @@ def _check_fabrics(spec: GarmentSpec, pattern: Pattern, sheets: dict[str, KesShe
             try:
                 row_of(part, panel, pattern, sheets)
             except InputError as error:
-                found[key] = [refusal(SpecError(error.message, file=spec.file, key=f"{key}.{error.key}"))]
+                found[key] = [refusal(SpecError(error.message, file=spec.file, key=error.key))]
                 continue
             if isinstance(part, Region):
                 found[key] = list(check_factors(part, sheet_of(part, panel, pattern, sheets), key, spec.file))

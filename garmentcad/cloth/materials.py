@@ -30,10 +30,17 @@ def sheet_of(part: Panel | Region, panel: Panel, pattern: Pattern, sheets: Mappi
 
 
 def row_of(part: Panel | Region, panel: Panel, pattern: Pattern, sheets: Mapping[str, KesSheet]) -> MaterialRow:
-    """The row of a panel, or of one of its regions. FabricError where its factors or its interfacing make impossible cloth."""
+    """The row of a panel, or of one of its regions. SpecError with the key of the factors or the interfacing that make impossible cloth."""
     sheet = sheet_of(part, panel, pattern, sheets)
     factors = part.factors if isinstance(part, Region) else None
-    return material_row(sheet, factors, sheets[part.interfacing] if part.interfacing else None)
+    try:
+        return material_row(sheet, factors, sheets[part.interfacing] if part.interfacing else None)
+    except FabricError as fault:
+        key = fault.key or ""
+        if key.startswith("factors."):
+            raise SpecError(fault.message, key=f"{key_of(part, panel)}.{key}") from None
+        made, of = (f"{part.interfacing!r} fused to it", "interfacing") if part.interfacing else ("its factors", "factors")
+        raise SpecError(f"with {made} the cloth is impossible: {key} = {fault.message}", key=f"{key_of(part, panel)}.{of}") from None
 
 
 def lay_out_sheets(pattern: Pattern, sheets: Mapping[str, KesSheet]) -> tuple[MaterialTable, MaterialOf]:
@@ -45,10 +52,7 @@ def lay_out_sheets(pattern: Pattern, sheets: Mapping[str, KesSheet]) -> tuple[Ma
     rows, of_panel = list[MaterialRow](), first_rows(pattern)
     for panel in pattern.panels.values():
         for part in parts_of(panel):
-            try:
-                rows.append(row_of(part, panel, pattern, sheets))
-            except FabricError as fault:
-                raise SpecError(fault.message, key=f"{key_of(part, panel)}.{fault.key}") from None
+            rows.append(row_of(part, panel, pattern, sheets))
 
     def material_of(panel: Panel, points_mm: np.ndarray) -> np.ndarray:
         found = np.full(len(points_mm), of_panel[panel.name], dtype=np.int32)

@@ -1,6 +1,6 @@
 """A fused interfacing: the sheet of a fabric with an interfacing bonded to it, from both sheets. All of it is an estimate; a measured fused sheet is better.
 
-    W, T0, 2HG, 2HG5: sums            tension: F(e) = F_f(e) + F_i(e), both at the same strain; G: G_f + G_i
+    W, T0, 2HG, 2HG5: sums            tension: F(e) = F_f(e) + F_i(e), both at the same strain; G: G_f + G_i, over the window of the fabric
     B = B_f + B_i + E_f E_i/(E_f + E_i) d^2,   E = 12 B/T0^2 of each layer,   d = (T0_f + T0_i)/2
     2HB = (2HB_f + 2HB_i) B/(B_f + B_i)
 
@@ -18,6 +18,7 @@ from typing import NamedTuple
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
+from garmentcad.fabric.law_shear import slope_over
 from garmentcad.fabric.law_tension import initial_slope, loading, solve_exponent
 from garmentcad.fabric.law_values import law_numbers
 from garmentcad.fabric.sheet import KesSheet, KesValue
@@ -42,6 +43,9 @@ def fused(fabric: KesSheet, interfacing: KesSheet, factors: Mapping[str, float] 
     FabricError where a value of the pair is impossible.
     """
     f, i = law_numbers(fabric, factors), law_numbers(interfacing)
+    for way in ("warp", "weft"):
+        slope, narrow, wide = (i[f"{name}.{way}"] for name in ("G", "2HG", "2HG5"))
+        i[f"G.{way}"] = slope_over(fabric.shear_window_deg, slope, narrow, wide, interfacing.shear_window_deg)
     found: dict[str, KesValue] = {}
 
     def put(key: str, number: float, rule: str) -> None:

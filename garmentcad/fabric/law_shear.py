@@ -31,6 +31,11 @@ def elastic_slope(slope: float, narrow: float, wide: float, window_deg: tuple[fl
     return max(slope - rising_share(*window_deg) * (wide - narrow) / (2.0 * math.degrees(HIGH - LOW)), LEAST_ELASTIC * slope)
 
 
+def slope_over(window_deg: tuple[float, float], slope: float, narrow: float, wide: float, of_deg: tuple[float, float]) -> float:
+    """G over a window of cloth whose G is `slope` over another one, `of_deg`; units as `elastic_slope`."""
+    return slope + (rising_share(*window_deg) - rising_share(*of_deg)) * (wide - narrow) / (2.0 * math.degrees(HIGH - LOW))
+
+
 def stick_way(low: float, high: float, stiffness: float) -> float:
     """Way d [rad] of the stick spring for the limits H [N/m] below LOW and above HIGH and G_e [N/m per rad]."""
     return max(low, 0.5 * high) / (STICK * stiffness)

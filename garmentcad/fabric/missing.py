@@ -160,24 +160,33 @@ def complete(sheet: KesSheet) -> Completed:
         filled[rule.key] = KesValue(value=number, estimate=rule.text)
         unit = "" if quantity.unit == "-" else f" {quantity.unit}"
         findings.append(Finding(rule.severity, rule.key, f"missing; taken as {number:.4g}{unit}: {rule.text}"))
-    findings += _disagreements(numbers, filled, sheet.shear_window_deg)
-    for way in ("warp", "weft"):
-        least = 100.0 * least_resilience(solve_exponent(numbers[f"LT.{way}"]))
-        if numbers[f"RT.{way}"] < least:
-            findings.append(Finding("warning", f"RT.{way}", f"with LT = {numbers[f'LT.{way}']:g} the law gives back {least:.0f} % at least; it prints that"))
+    findings += _disagreements(numbers, filled)
+    findings += beyond_laws(numbers, sheet.shear_window_deg)
     done = sheet.with_values(filled).model_copy(update={"law": sheet.law})  # a law belongs to the numbers of the completed sheet
     if done.law is not None and not is_calibrated(done):
         findings.append(Finding("warning", "law", "the calibrated law belongs to other numbers of this sheet and is not used; calibrate again"))
     return Completed(done, tuple(findings), frozenset(filled))
 
 
-def _disagreements(numbers: Mapping[str, float], filled: Mapping[str, KesValue], window_deg: tuple[float, float]) -> Iterator[Finding]:
-    """Where what was filled does not agree with what was given, or the laws cannot have both."""
+def _disagreements(numbers: Mapping[str, float], filled: Mapping[str, KesValue]) -> Iterator[Finding]:
+    """Where what was filled does not agree with what was given."""
     for name in dict.fromkeys(key.partition(".")[0] for key in filled if key.endswith((".warp", ".weft"))):  # given ones are held against their mean as given
         yield from _off_mean(numbers, name, ", which follow from other values")
+
+
+def beyond_laws(numbers: Mapping[str, float], window_deg: tuple[float, float]) -> Iterator[Finding]:
+    """Values of a complete sheet, by key, that the laws cannot have together, and what they have instead."""
     slope, narrow, wide = (0.5 * (numbers[f"{name}.warp"] + numbers[f"{name}.weft"]) for name in ("G", "2HG", "2HG5"))
     if elastic_slope(slope, narrow, wide, window_deg) <= LEAST_ELASTIC * slope:
         yield Finding("warning", "2HG5", f"with 2HG = {narrow:g} and 2HG5 = {wide:g} friction rises about as fast as G = {slope:g}; G/10 is left")
+    for way in ("warp", "weft"):
+        least = 100.0 * least_resilience(solve_exponent(numbers[f"LT.{way}"]))
+        if numbers[f"RT.{way}"] < least:
+            yield Finding("warning", f"RT.{way}", f"with LT = {numbers[f'LT.{way}']:g} the law gives back {least:.0f} % at least; it prints that")
+    least = 0.25 * (numbers["B.warp"] + numbers["B.weft"])
+    if numbers["B.bias"] < least:
+        text = f"with B = {numbers['B.warp']:g} in warp and {numbers['B.weft']:g} in weft the law has {least:.4g} in the bias at least; it prints that"
+        yield Finding("warning", "B.bias", text)
 
 
 def noticed(sheet: KesSheet) -> list[Finding]:

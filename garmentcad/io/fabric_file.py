@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from garmentcad.io.shipped import shipped_file, shipped_names
 from garmentcad.io.yaml_file import parse_yaml, read_yaml, refuse_no_yaml
 from garmentcad.pattern.parse import shown
 
+_SAID = 3  # of what was noticed in reading, where a sheet is refused for what may have been lost there
 _PLAIN = re.compile(r"[A-Za-z][A-Za-z0-9_]*|2HG5?|2HB")
 _LAW = re.compile(r"""law\s*:|"law"\s*:|'law'\s*:""")  # the line at which a law begins
 _UNSEEN = re.compile("[\x7f-\x9f\u2028\u2029\ufeff\ufffe\uffff]")  # what YAML takes for line ends or refuses is written by its number
@@ -39,8 +41,12 @@ def fabric_names() -> list[str]:
 
 def read_fabric(name_or_file: str | Path) -> KesSheet:
     """The sheet of a shipped fabric or in a fabric file (YAML, or CSV with one fabric), gaps and all. FileError for an unknown name and what is not plain YAML,
-    FabricError for what is not a KES sheet."""
-    return _sheet(fabric_path(name_or_file))[0]
+    FabricError for what is not a KES sheet. What a CSV file has and the sheet has not is a UserWarning."""
+    path = fabric_path(name_or_file)
+    sheet, seen = _sheet(path)
+    for finding in seen:
+        warnings.warn(f"{path}: {finding}", stacklevel=2)
+    return sheet
 
 
 def load_fabric(fabric: str | Path | KesSheet) -> Completed:
@@ -52,7 +58,7 @@ def load_fabric(fabric: str | Path | KesSheet) -> Completed:
     try:
         done = complete(sheet)
     except FabricError as fault:
-        raise FabricError(fault.message, file=str(path), key=fault.key) from None
+        raise FabricError("; ".join([fault.message, *(f"{one.key}: {one.message}" for one in seen[:_SAID])]), file=str(path), key=fault.key) from None
     return done._replace(findings=(*seen, *done.findings))
 
 

@@ -234,6 +234,14 @@ def named_fabrics(pattern: Pattern) -> dict[str, str]:
     return named
 
 
+def fabric_apart(pattern: Pattern) -> Pattern:
+    """The pattern with a name of the garment's fabric that no panel or region gives to its own fabric or interfacing: those stay when it is exchanged."""
+    name, taken = pattern.fabric, named_fabrics(pattern)
+    while name in taken:
+        name += "*"
+    return replace(pattern, fabric=name)
+
+
 def with_fabrics(pattern: Pattern, names: dict[str, str]) -> Pattern:
     """The pattern with every fabric and interfacing under another name."""
 

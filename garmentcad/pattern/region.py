@@ -58,6 +58,8 @@ def _areas(region: RegionSpec, edges: list[Edge], outline: np.ndarray, scope: Sc
         area = signed_area(polygon)
         if area == 0.0:
             raise SpecError("the polygon of the region encloses no area", key=f"{key}.polygon")
+        if not shapely.is_valid(shapely.Polygon(polygon)):
+            raise SpecError("the polygon of the region crosses or touches itself; one that goes once around its area is wanted", key=f"{key}.polygon")
         return [polygon if area > 0.0 else polygon[::-1].copy()]
     assert region.band is not None  # the model allows no third form
     find_edge(edges, region.band.edge, f"{key}.band.edge")

@@ -32,7 +32,7 @@ from garmentcad.mannequin.motion import KeyFrame, motion
 from garmentcad.pattern.draft import draft
 from garmentcad.pattern.outfit import OutfitSpec, put_on
 from garmentcad.pattern.parse import checked, shown
-from garmentcad.pattern.pattern import Pattern, named_fabrics, with_fabrics
+from garmentcad.pattern.pattern import Pattern, fabric_apart, named_fabrics, with_fabrics
 from garmentcad.pattern.scope import with_values
 from garmentcad.pattern.spec import GarmentSpec
 
@@ -116,6 +116,8 @@ def make_job(
         model, folder = with_values(model, values), spec_folder(model)
         body = _body(model, mannequin)
         pattern = draft(model, body.measurements_mm)
+        if fabric is not None:
+            pattern = fabric_apart(pattern)
         fabrics = {name: load_fabric(_referred(model, name, "fabrics", key)) for name, key in sorted(named_fabrics(pattern).items())}
         fabrics[pattern.fabric] = load_fabric(fabric if fabric is not None else _referred(model, pattern.fabric, "fabrics", "fabric"))
         outfit: GarmentSpec | OutfitSpec = model
@@ -168,10 +170,13 @@ def _dressed(outfit: OutfitSpec, worn: tuple[GarmentSpec, ...], measurements_mm:
         except InputError as fault:
             raise type(fault)(fault.message, file=outfit.file, key=f"garments.{k}.values") from None
         pattern = draft(given, measurements_mm)
-        keys = named_fabrics(pattern) | {pattern.fabric: "fabric"}
-        places = {name: _referred(garment, name, "fabrics", key) for name, key in keys.items()}
+        if entry.fabric is not None:
+            pattern = fabric_apart(pattern)
+        places = {name: _referred(garment, name, "fabrics", key) for name, key in named_fabrics(pattern).items()}
         if entry.fabric is not None:
             places[pattern.fabric] = _referred(outfit, entry.fabric, "fabrics", f"garments.{k}.fabric")
+        else:
+            places[pattern.fabric] = _referred(garment, pattern.fabric, "fabrics", "fabric")
         fabrics |= {str(place): load_fabric(place) for place in places.values()}
         patterns.append(with_fabrics(pattern, {name: str(place) for name, place in places.items()}))
     return put_on(outfit.name, patterns, outfit.mannequin), fabrics
