@@ -59,6 +59,21 @@ def masses(made: Job, *x: float) -> list[float]:
     return table.areal_mass[material_of(panel, np.array([[value, 50.0] for value in x]))].tolist()
 
 
+@pytest.mark.parametrize("grid_mm", [10.0, 20.0, 25.0])
+@pytest.mark.parametrize("outline", [True, False])
+def test_a_region_over_all_of_a_half_panel_leaves_nothing_out(grid_mm: float, outline: bool) -> None:
+    """Not where its two images meet, nor along the outline, on which it ends where it is drawn on it: mass is area times that of the region."""
+    polygon = [[0, 0], [300, 0], [300, 100], [0, 100]] if outline else [[0, -50], [400, -50], [400, 200], [0, 200]]
+    made = job(mirror="d", regions=[{"name": "double", "polygon": polygon, "factors": {"W": 2}}])
+    table, material_of = lay_out(made)
+    cloth = build_cloth(made.pattern, material_of, table, grid_mm)
+    assert cloth.masses.sum() == pytest.approx(0.6 * 0.1 * 0.4, rel=1e-12)
+    for elements in (cloth.links, cloth.cells, cloth.border, cloth.bends, cloth.spans):
+        assert len(elements.material) > 0
+        assert (elements.material != 0).all()
+    assert (cloth.triangle_material != 0).all()
+
+
 def test_a_region_with_a_sheet_of_its_own_stands_in_place_of_the_fabric() -> None:
     made = job(fabric="cotton", regions=[{"name": "yoke", "polygon": square(0, 100), "fabric": "measured"}])
     assert masses(made, 50.0, 150.0) == pytest.approx([0.33, 0.10])

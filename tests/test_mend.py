@@ -7,7 +7,7 @@ import pytest
 import trimesh
 from loose_sheet import Sheet, crosses
 
-from garmentcad.simulation.mend import off_body, turned_out
+from garmentcad.simulation.mend import off_body, pulled_out, turned_out
 
 
 def test_what_a_sharp_body_pricks_is_moved_off_it_and_nothing_else_moves() -> None:
@@ -71,3 +71,54 @@ def test_the_top_of_a_pleat_is_turned_out() -> None:
     turned = turned_out(positions, triangles)
     assert not crosses(turned, triangles)
     assert np.linalg.norm(turned - positions, axis=1).max() < 0.01
+
+
+# Two flat sheets that lie 0.2 mm from each other along the y axis, 3 mm at one stitch; and the cells of each.
+COLUMN, ROW = (axis.ravel() for axis in np.meshgrid(np.arange(5), np.arange(5), indexing="ij"))
+LEFT_MM = np.column_stack([-40.1 + 10.0 * COLUMN, 10.0 * ROW - 20.0, np.zeros(25)])
+LEFT_MM[22, 0] = -1.5
+LOW = np.arange(20).reshape(4, 5)[:, :-1].ravel()
+CELLS = np.vstack([np.column_stack([LOW, LOW + 5, LOW + 6]), np.column_stack([LOW, LOW + 6, LOW + 1])])
+STITCHES = np.column_stack([np.arange(20, 25), np.arange(45, 50)])
+OPEN = np.arange(5) == 2
+
+
+def in_the_slit(heights_mm: list[float]) -> tuple[np.ndarray, np.ndarray]:
+    """Positions and triangles of both sheets and of an upright strip in the slit between them, 8 mm wide, that ends in a corner."""
+    strip = np.array([[0.05 * k, 4.0 * (-1) ** k if k < len(heights_mm) - 1 else 0.0, z] for k, z in enumerate(heights_mm)])
+    last = 50 + np.arange(len(heights_mm) - 2)
+    triangles = np.vstack([CELLS, CELLS + 25, np.column_stack([last, last + 1, last + 2])])
+    return 1e-3 * np.vstack([LEFT_MM, LEFT_MM * [-1.0, 1.0, 1.0], strip]), triangles
+
+
+def cross_when_sewn(positions: np.ndarray, triangles: np.ndarray) -> bool:
+    closed, one = positions.copy(), np.arange(len(positions))
+    closed[STITCHES[:, 0]] = positions[STITCHES].mean(axis=1)
+    one[STITCHES[:, 1]] = STITCHES[:, 0]
+    return crosses(closed, one[triangles])
+
+
+def test_a_corner_that_stands_in_a_slit_is_pulled_out_of_it() -> None:
+    """By as much as it stands out of it, and what the slit will be sewn to with it: the slit stays as wide as it is."""
+    positions, triangles = in_the_slit([-25.0, -15.0, -10.0, 2.0])
+    assert not crosses(positions, triangles)
+    assert cross_when_sewn(positions, triangles)
+    pulled = pulled_out(positions, triangles, STITCHES, OPEN)
+    assert not cross_when_sewn(pulled, triangles)
+    way = np.linalg.norm(pulled - positions, axis=1)
+    assert pulled[-1, 2] < pulled[22, 2]
+    assert way.max() < 0.015
+    assert (way[np.hypot(positions[:, 0], positions[:, 1]) > 0.015] == 0.0).all()
+    gaps = [np.linalg.norm(places[STITCHES[:, 0]] - places[STITCHES[:, 1]], axis=1) for places in (pulled, positions)]
+    np.testing.assert_allclose(*gaps, atol=1e-15)
+
+
+def test_what_hangs_on_both_sides_of_a_slit_stays_in_the_same_bits() -> None:
+    positions, triangles = in_the_slit([float(z) for z in range(-150, 151, 15)])
+    assert cross_when_sewn(positions, triangles)
+    assert pulled_out(positions, triangles, STITCHES, OPEN).tobytes() == positions.tobytes()
+
+
+def test_what_crosses_elsewhere_is_left_to_others() -> None:
+    positions, triangles = in_the_slit([-25.0, -15.0, -10.0, 2.0])
+    assert pulled_out(positions, triangles, STITCHES, np.arange(5) == 0).tobytes() == positions.tobytes()

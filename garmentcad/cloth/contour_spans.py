@@ -24,8 +24,9 @@ _UNIFORM2 = 20.0  # 1 + 9 + 9 + 1, the squared third difference of equal steps
 _FLAT = 1e-6  # of the span: a bulge that is round-off
 
 
-def contour_spans(mesh: PanelMesh) -> ContourSpans:
-    """Spans of all loops and folds of one panel in the panel's own numbering, material row 0. None reaches across a fold, which is a saw tooth to it."""
+def contour_spans(mesh: PanelMesh, strip_material: np.ndarray) -> ContourSpans:
+    """Spans of all loops and folds of one panel in the panel's own numbering, of the material of the border triangle (T,) over which their middle lies. None
+    reaches across a fold, which is a saw tooth to it."""
     contour = mesh.contour
     after, folded = contour.segments[:, 1], contour.fold_segments[0]
     chain: list[np.ndarray] = [np.arange(len(after))]
@@ -46,8 +47,16 @@ def contour_spans(mesh: PanelMesh) -> ContourSpans:
         coefficients=floats(_coefficients(mesh.points[rows], lengths)),
         length=floats(lengths.mean(axis=1) * MM_TO_M),
         along_warp=floats(whole[:, 1] / np.linalg.norm(whole, axis=1)),
-        material=np.zeros(len(rows), dtype=np.int32),
+        material=indices(strip_material[_over(mesh.triangles, rows[:, 1:3])]),
     )
+
+
+def _over(triangles: np.ndarray, sides: np.ndarray) -> np.ndarray:
+    """The triangle (N,) of which each side (N,2) is one; of two, the first."""
+    width = int(triangles.max()) + 1
+    keys, wanted = (np.sort(ends, axis=1).astype(np.int64) @ [width, 1] for ends in (triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), sides))
+    order = np.argsort(keys, kind="stable")
+    return np.asarray(order[np.searchsorted(keys[order], wanted)] // 3)
 
 
 def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:

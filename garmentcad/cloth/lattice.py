@@ -172,7 +172,7 @@ def _part(panel: Panel, mesh: PanelMesh, material_of: MaterialOf, materials: Mat
         material=cell_material,
     )
     bends = bend_lines(mesh)
-    links, spans, border = _links(mesh), contour_spans(mesh), border_triangles(mesh, strip_material)
+    links, spans, border = _links(mesh), contour_spans(mesh, strip_material), border_triangles(mesh, strip_material)
     triangles, source = _contact_triangles(mesh)
     return _Part(
         uv,
@@ -181,7 +181,7 @@ def _part(panel: Panel, mesh: PanelMesh, material_of: MaterialOf, materials: Mat
         cells,
         border,
         bends._replace(material=rows_at(uv[bends.center])),
-        spans._replace(material=rows_at(uv[spans.corners].mean(axis=1))),
+        spans,
         triangles,
         np.concatenate([cell_material[source], strip_material]),
         fold_hinges(border, *mesh.fold_segments, np.array([fold.strength for fold in panel.folds])),

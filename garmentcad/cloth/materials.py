@@ -5,14 +5,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from shapely import contains_xy
-from shapely.geometry import Polygon
+from shapely import Polygon, contains_xy, dwithin
+from shapely import points as as_points
 
 from garmentcad.cloth.lattice import MaterialOf
 from garmentcad.errors import FabricError, SpecError
 from garmentcad.fabric.material import MaterialRow, MaterialTable, material_row, material_table
 from garmentcad.fabric.sheet import KesSheet
 from garmentcad.pattern.pattern import Panel, Pattern, Region, key_of, parts_of
+
+_HAIR_MM = 0.05  # what lies on the outline of a region is in it: panels that are drawn as halves have cells on the line where both of its images end
 
 
 def first_rows(pattern: Pattern) -> dict[str, int]:
@@ -57,8 +59,9 @@ def lay_out_sheets(pattern: Pattern, sheets: Mapping[str, KesSheet]) -> tuple[Ma
     def material_of(panel: Panel, points_mm: np.ndarray) -> np.ndarray:
         found = np.full(len(points_mm), of_panel[panel.name], dtype=np.int32)
         for row, region in enumerate(panel.regions, of_panel[panel.name] + 1):
-            inside = contains_xy(Polygon(region.polygon_mm), points_mm[:, 0], points_mm[:, 1])
-            found[inside] = row
+            polygon = Polygon(region.polygon_mm)
+            inside = contains_xy(polygon, points_mm[:, 0], points_mm[:, 1])
+            found[inside | dwithin(polygon.exterior, as_points(points_mm), _HAIR_MM)] = row
         return found
 
     return material_table(rows), material_of

@@ -30,7 +30,9 @@ from garmentcad.units import GF_CM_TO_N_M, MM_TO_M
 
 WIDTH_MM, GAUGE_MM = 200.0, 50.0
 TENSION_GF_CM = 10.0
-ANGLES_DEG = (0.0, 0.25, 0.5, 1.0, 1.5, 2.5, 3.5, 5.0, 6.5, 8.0)  # where a record has its points, those among them that values are read at
+# Where a record has its points, those among them that values are read at; of the specimen as the tension has it, for a power net is half as long again then. It
+# becomes shorter as it is sheared, and the angles a little larger.
+ANGLES_DEG = (0.0, 0.25, 0.5, 1.0, 1.5, 2.5, 3.5, 5.0, 6.5, 8.0)
 
 
 def shear_test(materials: MaterialTable, angle_deg: float, grid_mm: float, origin_mm: tuple[float, float] | None = None, sides: int = 2) -> Loop:
@@ -42,13 +44,13 @@ def shear_test(materials: MaterialTable, angle_deg: float, grid_mm: float, origi
     load[-1] = TENSION_GF_CM * GF_CM_TO_N_M * specimen.width
     gauge = GAUGE_MM * MM_TO_M
     unknowns = specimen.balance.solve(specimen.rest, modes, np.zeros(len(load)), load)
-    leaning = 0.0
+    tensioned, leaning = gauge + unknowns[-1], 0.0
 
     def branch(angles: Iterable[float]) -> Branch:
         nonlocal unknowns, leaning
         points = []
         for degrees in angles:
-            tangent = math.tan(math.radians(degrees))
+            tangent = math.tan(math.radians(degrees)) * tensioned / gauge
             # the guess: every particle goes along with the line between the clamps
             along = specimen.rest[:, 1:2] * np.array([[1.0, 0.0, 0.0]])
             unknowns = unknowns + (tangent - leaning) * _in_modes(modes, along)

@@ -29,6 +29,8 @@ CLOSED_LATE_S, CLOSED_DOUBLES_S = 1.0, 0.2
 # What is open then is mostly held by the corner of its own seam, which was folded over on its way: both corners of an armpit lay on one side of each other and
 # held a seam 4 mm open with no more than they weigh. From then on what is sewn to each other passes.
 CLOSING_PASS_S = 2.0
+# Or by the free corner of something else, the end of a cuff that stands out between it and its sleeve. From then on such corners are pulled out.
+CLOSING_PULL_OUT_S = 3.0
 CLOSING_PULL_N_M = 100.0  # per length of seam, at most: a fifth of what the tensile tester pulls
 # A waistband that is closed over what is worn already has to press it into folds: 15 N on 38 mm, an estimate of what a hand does. With 4 N it stood 43 mm
 # open over a tucked T-shirt when with 15 N it was at 5, and at 0.3 soon after.

@@ -24,11 +24,13 @@ from garmentcad.simulation.course import (
     CLOSING_LEAST_M_S,
     CLOSING_PASS_S,
     CLOSING_PULL_N_M,
+    CLOSING_PULL_OUT_S,
     CLOSING_RATE,
     SPEED_CAP_M_S,
     Progress,
     advance_or_retreat,
 )  # fmt: skip
+from garmentcad.simulation.mend import pulled_out
 from garmentcad.solve.dynamics import Dynamics
 
 SEWING = "sewing"  # in State.run: how many times the panels were sewn before
@@ -167,6 +169,8 @@ def _close(
             break
         dynamics.constraint.least_share = np.where(between, min(1.0, leniency * LEAST_SHARE), LEAST_SHARE)
         # By the clock alone, and for every look anew: so it is the same in a run that goes on from here.
+        if state.time_s - since >= CLOSING_PULL_OUT_S:
+            state.positions[:] = pulled_out(state.positions, cloth.particle_triangles, cloth.stitches[chosen], gaps[:sewn] >= CLOSED_M)
         if state.time_s - since >= CLOSING_PASS_S:
             dynamics.contact.let_pass(state, _ends(cloth, chosen[gaps[:sewn] >= CLOSED_M]))
         dynamics.constraint.least_speed = np.where(late, SPEED_CAP_M_S, least_closing_speed(state.time_s - since))
