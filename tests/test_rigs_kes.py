@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from garmentcad.errors import FabricError
 from garmentcad.fabric.material import MaterialTable, material_row, without_friction
 from garmentcad.fabric.missing import complete
 from garmentcad.fabric.sheet import KesSheet, KesValue, is_calibrated, sheet_from
@@ -201,3 +202,29 @@ def test_the_curve_that_a_passport_draws_is_that_of_the_law(change: dict, slope:
     middle = 0.5 * (out.y + back.y)
     assert (middle[-1] - middle[0]) / (out.x[-1] - out.x[0]) == pytest.approx(slope)
     assert material_row(sheet).shear / GF_CM_DEG_TO_N_M_RAD == pytest.approx(slope)
+
+
+def test_shear_is_read_at_its_angles_however_much_the_tension_stretches() -> None:
+    """A power net of knitted elastane is half as long again under 10 gf/cm. What is printed of G, 2HG and 2HG5 is one share of its law, by the closed form.
+    2HG5 was read at the tip of a record that ended at 5.3 degrees, a fifth of it."""
+    values = {"W": 18, "T0": 0.6, "Fm": 50, "EMT": 130, "LT": 0.7, "RT": 55, "G": 0.3, "2HG": 0.5, "2HG5": 0.8, "B": 0.03, "2HB": 0.02, "MIU": 0.2}
+    net = complete(sheet_from({"schema": 1, "name": "net", "source": "our laboratory", **values})).sheet
+    materials = sheet_materials(net)
+    loop = shear_test(materials, 0.0, 12.5, sides=1)
+    assert loop.out.x[-1] >= 8.0
+    printed = printed_shear(loop, net.shear_window_deg)
+    for key, value in printed.items():
+        assert value / net.number(f"{key}.warp") == pytest.approx(clamped_share(materials)[0], rel=0.1)
+
+
+def test_a_value_that_no_law_prints_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The law value would run to the end of what a sheet may have, and be kept."""
+
+    def stubborn(tester: KesTester, sheet: KesSheet, materials: MaterialTable, grid_mm: float, shift: float = 0.0, sides: int = 2) -> Record:
+        record = run_tester(tester, sheet, materials, grid_mm, shift, sides)
+        return record._replace(printed={key: 0.1 if key.startswith("2HG5") else value for key, value in record.printed.items()})
+
+    monkeypatch.setattr(calibration, "run_tester", stubborn)
+    with pytest.raises(FabricError, match="no law prints it: the virtual tester makes") as refused:
+        calibrate(SHEET, 12.5)
+    assert str(refused.value.key).startswith("2HG")

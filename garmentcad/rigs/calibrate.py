@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+from garmentcad.errors import FabricError
 from garmentcad.fabric.quantity import quantity_of
 from garmentcad.fabric.sheet import CalibratedLaw, KesSheet, sheet_sha256
 from garmentcad.rigs.kes import TESTERS, KesTester, run_tester, sheet_materials
@@ -26,7 +27,8 @@ _SHARED = SOLVED["shear"]  # one trellis law for both directions: the mean, and 
 def calibrate(sheet: KesSheet, grid_mm: float = GRID_MM, say: Callable[[str], None] = lambda message: None) -> KesSheet:
     """A completed sheet with its `law`. say: told of each test.
 
-    After MOST_ROUNDS the last values stand: what they leave is in every passport.
+    After MOST_ROUNDS the last values stand: what they leave is in every passport. FabricError where one has run to the end of what a sheet may have: no law
+    prints that value.
     """
     keys = [key for tester in TESTERS for key in _solved(tester)]
     values = {key: sheet.number(key) for key in keys}
@@ -47,6 +49,10 @@ def calibrate(sheet: KesSheet, grid_mm: float = GRID_MM, say: Callable[[str], No
         waiting = {tester for tester in TESTERS if off & set(_solved(tester))}
         if not waiting:
             break
+    astray = [key for key in off if values[key] in quantity_of(key).possible]
+    if astray:
+        key = max(astray, key=lambda one: abs(math.log(abs(ratios[one]))))
+        raise FabricError(f"no law prints it: the virtual tester makes {sheet.number(key) / ratios[key]:.3g} of {values[key]:g}", key=key)
     return with_law(sheet, values)
 
 

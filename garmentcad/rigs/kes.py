@@ -7,6 +7,7 @@ from typing import NamedTuple
 from garmentcad.fabric.material import MaterialTable, material_row, material_table, without_friction
 from garmentcad.fabric.sheet import KesSheet
 from garmentcad.rigs.bending import bending_test, printed_bending
+from garmentcad.rigs.equilibrium import UnbalancedError
 from garmentcad.rigs.loop import Branch
 from garmentcad.rigs.shear import printed_shear, shear_test
 from garmentcad.rigs.specimen import ANGLES
@@ -36,7 +37,14 @@ TESTERS = (*(KesTester(kind, way) for kind in ("tension", "shear") for way in ("
 
 def run_tester(tester: KesTester, sheet: KesSheet, materials: MaterialTable, grid_mm: float, shift: float = 0.0, sides: int = 2) -> Record:
     """One test of the fabric in row 0 of `materials`; Fm and the window of G are those of the sheet. shift: of the lattice, in spacings. sides: to which shear
-    and bending go; virtual cloth has the same behaviour on both, so that 1 is enough where nobody wants to see the loop."""
+    and bending go; virtual cloth has the same behaviour on both, so that 1 is enough where nobody wants to see the loop. UnbalancedError names the tester."""
+    try:
+        return _run_tester(tester, sheet, materials, grid_mm, shift, sides)
+    except UnbalancedError as error:
+        raise UnbalancedError(f"{tester.name}: {error}") from None
+
+
+def _run_tester(tester: KesTester, sheet: KesSheet, materials: MaterialTable, grid_mm: float, shift: float, sides: int) -> Record:
     angle = ANGLES[tester.way]
     origin = (shift * grid_mm, shift * grid_mm) if shift else None
     branches: tuple[Branch, ...]
