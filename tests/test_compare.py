@@ -18,7 +18,7 @@ from test_fit import worn
 from garmentcad.analysis.surface_distance import Surface, surface_distance
 from garmentcad.cloth.state import State
 from garmentcad.errors import InputError
-from garmentcad.export.compare import Worn, compare, comparison_tables, draw_comparison, read_worn, write_comparison
+from garmentcad.export.compare import Worn, compare, comparison_data, comparison_tables, draw_comparison, read_worn, write_comparison
 from garmentcad.export.result_folder import Result, write_result_folder
 
 
@@ -84,6 +84,15 @@ def test_table_and_files(tmp_path: Path) -> None:
     assert "…" not in narrow.export_text()  # names fold, numbers never lose a digit
     with pytest.raises(InputError, match=r"\.png"):
         write_comparison(tmp_path / "c.pdf", folders, found, "front", "none")
+
+
+def test_how_both_ended_is_said_where_it_is_the_same() -> None:
+    a, b = worn(), wider(0.010)
+    for one in (a, b):
+        one.report["status"] = "max_time"
+    found = compared(a, b)
+    assert "status" not in found.unlike
+    assert comparison_data(found)["status"] == ["max_time", "max_time"]
 
 
 def test_a_figure_of_an_older_version_may_be_missing() -> None:

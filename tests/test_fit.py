@@ -38,6 +38,13 @@ def test_a_drape_in_true_motion_is_no_coarser_drape() -> None:
         fit_of(worn(), coarser=[moving])
 
 
+def test_a_drape_that_is_not_at_rest_is_no_coarser_drape() -> None:
+    falling = worn(30.0)
+    falling.report["status"] = "max_time"
+    with pytest.raises(InputError, match="the coarser drape ended as max_time; one that came to rest is wanted"):
+        fit_of(worn(), coarser=[falling])
+
+
 def test_every_figure_has_a_unit_of_its_name() -> None:
     found = figures(worn().report)
     assert found["ease_mm.hip"].unit == "mm"

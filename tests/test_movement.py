@@ -40,6 +40,10 @@ def test_a_movement_that_runs_away_goes_on_with_shorter_steps(monkeypatch: pytes
     assert min(longer[1:-1]) > 1.1, "steps are those of the highest frequency, not of its bound"
     assert (moved.times_s[1:] > moved.times_s[:-1]).all()
     assert outcome.state.run["step_factor"] == 0.5, "the outcome stays as it is"
+    monkeypatch.undo()
+    outcome.state.positions[:, 1] -= outcome.state.positions[:, 1].max() + 0.05
+    lost = movement.move(outcome, [KeyFrame(0.5, Pose())], lambda progress: None)
+    assert (lost.status, lost.warning) == ("fell", "after 0.00 s of the movement the garment fell off: all of it is below the body")
 
 
 def test_in_dynamics_a_garment_falls_in_steps_of_its_highest_frequency(monkeypatch: pytest.MonkeyPatch) -> None:

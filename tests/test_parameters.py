@@ -19,6 +19,7 @@ from garmentcad.io.fabric_file import read_fabric, write_fabric
 from garmentcad.io.mannequin_file import read_mannequin
 from garmentcad.io.shipped import shipped_file
 from garmentcad.io.spec_file import read_spec, write_spec
+from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.pattern.draft import draft
 from garmentcad.simulation.checkpoint import load_state, save_state
 from garmentcad.simulation.job import make_job
@@ -88,9 +89,10 @@ def test_a_mode_that_is_none_is_refused() -> None:
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({"seed": 1.5}, "seed: seed 1.5; 0 or a positive whole number"),
+        ({"seed": 1.5}, "seed: seed 1.5; a whole number from 0 to"),
         ({"seed": "1"}, "seed: seed '1'"),
         ({"seed": True}, "seed: seed true"),
+        ({"seed": 1 << 63}, "seed: seed 9223372036854775808; a whole number from 0 to 2.63 - 1"),
         ({"grid_mm": "20"}, "grid_mm: a number of mm is wanted, came '20'"),
         ({"grid_mm": None}, "grid_mm: .*came nothing"),
         ({"grid_mm": 10**400}, "grid_mm: a number of mm"),
@@ -114,6 +116,37 @@ def test_a_pose_that_is_too_fast_is_refused_before_anything_is_draped(tmp_path: 
     (tmp_path / "fast.yaml").write_text("schema: 1\nframes:\n  - {time: 0.1, ahead: 1500}\n")
     with pytest.raises(InputError, match=r"pose: the body goes 16\.4\d m/s between 0\.0125 and 0\.025 s; at most 10 m/s"):
         make_job("straight-skirt", pose=tmp_path / "fast.yaml")
+
+
+def spoiled(body: Mannequin, what: str) -> Mannequin:
+    vertices, faces = body.vertices.copy(), body.faces.copy()
+    if what == "nan":
+        vertices[100] = np.nan
+    if what == "mm":
+        vertices *= 1000.0
+    if what == "names":
+        faces[7, 1] = len(vertices)
+    if what == "open":
+        return replace(body, faces=faces[:-1000], face_part=body.face_part[:-1000])
+    return replace(body, vertices=vertices, faces=faces, face_part=body.face_part[1:] if what == "parts" else body.face_part)
+
+
+@pytest.mark.parametrize(
+    ("what", "message"),
+    [
+        ("nan", "a vertex is not finite"),
+        ("mm", r"it is 16\d\d m high; 0\.5 to 2\.5 m are allowed"),
+        ("names", "a face names vertex"),
+        ("open", "its surface is not closed"),
+        ("parts", r"face_part \(20465,\) came; one part for each of 20466 faces is wanted"),
+    ],
+)
+def test_a_body_made_by_hand_that_is_none_is_refused(what: str, message: str) -> None:
+    body = spoiled(read_mannequin("woman-88"), what)
+    with pytest.raises(InputError, match=f"mannequin: {message}"):
+        make_job("straight-skirt", mannequin=body)
+    (finding,) = examine("straight-skirt", body)
+    assert (finding.severity, finding.key) == ("error", "mannequin")
 
 
 def test_another_body_of_the_same_surface_is_another_run() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -125,6 +126,9 @@ def test_a_movement_that_crosses_the_body_says_when_and_where(monkeypatch: pytes
     assert report["warning"].startswith("after 0.05 s of the movement the cloth ")
     assert "'front' at (" in report["warning"]
     assert report["mannequin_penetration_mm"] == report["frames"][2]["mannequin_penetration_mm"] > 1.0
+    broken = replace(moved, status="diverged", warning="after 0.15 s of the movement: motion ran away")
+    told = movement.movement_report(broken, given.cloth, body, None)  # type: ignore[arg-type]
+    assert (told["status"], told["warning"]) == ("diverged", f"{report['warning']}; {broken.warning}")
 
 
 @pytest.mark.usefixtures("no_view")

@@ -28,7 +28,7 @@ from garmentcad.io.mannequin_file import read_mannequin
 from garmentcad.io.outfit_file import read_worn
 from garmentcad.io.shipped import resolve_reference
 from garmentcad.io.spec_file import spec_folder
-from garmentcad.mannequin.mannequin import Mannequin
+from garmentcad.mannequin.mannequin import Mannequin, refuse_no_body
 from garmentcad.pattern.draft import draft_errors
 from garmentcad.pattern.outfit import OutfitSpec, put_on
 from garmentcad.pattern.parse import checked
@@ -88,6 +88,7 @@ def _load_named(name: str, spec: GarmentSpec | OutfitSpec) -> Completed:
 def _read_body(spec: GarmentSpec | OutfitSpec, mannequin: str | Path | Mannequin | None) -> Mannequin:
     """The body that a spec names, or another one in its place. InputError says where it was named."""
     if isinstance(mannequin, Mannequin):
+        refuse_no_body(mannequin)
         return mannequin
     try:
         return read_mannequin(mannequin if mannequin is not None else resolve_reference(spec.mannequin, "mannequins", spec_folder(spec)))

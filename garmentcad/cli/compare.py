@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -36,6 +37,9 @@ def compare(
     if as_json:
         print(json.dumps(comparison_data(found), allow_nan=False))
         return
+    for letter, status in zip("AB", found.status):
+        if status != "converged":
+            print(f"garmentcad: {letter} ended as {status}: its figures are not those of a garment at rest", file=sys.stderr)
     for table in comparison_tables(found):
         Console().print(table)
     if out is not None:

@@ -44,8 +44,10 @@ def read_worn(folder: str | Path) -> Worn:
 
 @dataclass(frozen=True)
 class Comparison:
-    """unlike: identity that differs, name -> (A, B); rows: every figure that one of both has, name -> (A, B); shape: how far the surfaces lie apart."""
+    """status: how A and B ended; unlike: identity that differs, name -> (A, B); rows: every figure that one of both has, name -> (A, B); shape: how far the
+    surfaces lie apart."""
 
+    status: tuple[str, str]
     unlike: dict[str, tuple[Any, Any]]
     rows: dict[str, tuple[Figure | None, Figure | None]]
     shape: SurfaceDistance
@@ -60,7 +62,7 @@ def compare(a: Worn, b: Worn) -> Comparison:
     }
     of_a, of_b = figures(a.report), figures(b.report)
     rows = {name: (of_a.get(name), of_b.get(name)) for name in dict.fromkeys((*of_a, *of_b))}
-    return Comparison(unlike, rows, surface_distance(a.surface, b.surface))
+    return Comparison((str(a.report.get("status")), str(b.report.get("status"))), unlike, rows, surface_distance(a.surface, b.surface))
 
 
 def difference(pair: tuple[Figure | None, Figure | None]) -> Figure:
@@ -76,6 +78,7 @@ def comparison_data(found: Comparison) -> dict[str, Any]:
     """The comparison as plain data."""
     return {
         "schema": 1,
+        "status": list(found.status),
         "unlike": {name: list(pair) for name, pair in found.unlike.items()},
         "shape_mm": {"rms": found.shape.rms_mm, "max": found.shape.max_mm},
         "figures": {name: {"a": _value(pair[0]), "b": _value(pair[1]), "difference": difference(pair).value} for name, pair in found.rows.items()},

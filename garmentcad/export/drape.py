@@ -24,6 +24,7 @@ from garmentcad.pattern.spec import GarmentSpec
 from garmentcad.placement.place import place_vertices
 from garmentcad.simulation.course import Progress
 from garmentcad.simulation.job import Job, make_job
+from garmentcad.simulation.keeper import Interrupted
 from garmentcad.simulation.lattices import grids_of
 from garmentcad.simulation.materials import lay_out
 from garmentcad.simulation.movement import move
@@ -108,7 +109,11 @@ def _written(outcome: Outcome, look: Callable[[Progress], None], folder: Path | 
     files: list[Path] = []
     notes: list[str] = []
     if job.poses and made.status == "converged":
-        movement = move(outcome, job.poses, look)
+        try:
+            movement = move(outcome, job.poses, look)
+        except KeyboardInterrupt:
+            again = "" if folder is None else f"; --resume begins it anew from {folder / CHECKPOINT}"
+            raise Interrupted(f"stopped during the movement{again}") from None
         report["movement"] = movement_report(movement, outcome.cloth, job.mannequin, job.pattern)
         if folder is not None:
             files, notes = write_movement(folder / "movement", movement, outcome.cloth, job.mannequin)

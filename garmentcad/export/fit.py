@@ -29,14 +29,16 @@ _OWN_TABLE = ("ease_mm", "pattern_ease_mm", "body_girth_mm", "ease_level_mm", "l
 
 def fit_of(result: Result, lines: Sequence[BodyLine] = (), coarser: Sequence[Result] = ()) -> dict[str, Any]:
     """The fit as plain data: identity, every figure of `FIT_KEYS` that the report has, `lines` measured now and, with results of the same garment on coarser
-    lattices, `error_bars` by path. InputError for a coarser result of another garment, fabric, mannequin or mode, for lines of a garment without a body, and
-    for lines with a name of the report's own."""
+    lattices, `error_bars` by path. InputError for a coarser result of another garment, fabric, mannequin or mode, or not at rest, for
+    lines of a garment without a body, and for lines with a name of the report's own."""
     made = _with_lines(result, lines)
     if coarser:
         for other in coarser:
             unlike = [key for key in SAME_GARMENT if other.report.get(key) != result.report.get(key)]
             if unlike:
                 raise InputError(f"the coarser drape is another one: {', '.join(unlike)} differ", key="coarser")
+            if other.report["status"] != "converged":
+                raise InputError(f"the coarser drape ended as {other.report['status']}; one that came to rest is wanted", key="coarser")
         pairs = [(float(other.report["grid_mm"]), figures(_with_lines(other, lines))) for other in coarser]
         made["error_bars"] = error_bars(figures(made), float(result.report["grid_mm"]), pairs)
     return made

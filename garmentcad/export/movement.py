@@ -27,14 +27,14 @@ _MEASURED = ("self_intersections", "mannequin_intersections", "mannequin_penetra
 def movement_report(movement: Movement, cloth: Cloth, mannequin: Mannequin, pattern: Pattern) -> dict[str, Any]:
     """What `report.json` says under `movement`: largest values over all frames, and a row a frame.
 
-    status: moved (to the end, every frame clean), intersecting (penetration included) or diverged. seconds: simulated; wall_time_s: what that took.
-    warning: why it broke off, or where the first frame that is not clean crosses. self_intersections, mannequin_intersections: triangle pairs.
+    status: moved (to the end, every frame clean), intersecting (penetration included), diverged, or fell. seconds: simulated; wall_time_s: what that took.
+    warning: where the first frame that is not clean crosses, and why it broke off. self_intersections, mannequin_intersections: triangle pairs.
     waist_slip_mm: how far edges with the role `waist` came down on the body since the first frame, None without such edges.
     Of a frame that is not finite, at which the movement diverged, nothing is measured: all None.
     """
     slips = slip_mm(cloth, movement.positions, movement.body, edge_roles(pattern))
     rows: list[dict[str, Any]] = []
-    status, warning = movement.status, movement.warning
+    status, warning, crossed = movement.status, movement.warning, ""
     for k, (time_s, positions, body) in enumerate(zip(movement.times_s, movement.positions, movement.body, strict=True)):
         row = {"time_s": round(float(time_s), _DIGITS), **dict.fromkeys(_MEASURED)}
         rows.append(row)
@@ -44,8 +44,10 @@ def movement_report(movement: Movement, cloth: Cloth, mannequin: Mannequin, patt
         slip = None if slips is None else round(float(slips[k]), _DIGITS)
         values = (faults.self_intersections, faults.mannequin_intersections, round(faults.mannequin_penetration_mm, _DIGITS), slip)
         row |= zip(_MEASURED, values, strict=True)
-        if faults and status == "moved":
-            status, warning = "intersecting", f"after {time_s:.2f} s of the movement {'; '.join(faults.said)}"
+        if faults and not crossed:
+            crossed = f"after {time_s:.2f} s of the movement {'; '.join(faults.said)}"
+    if crossed:
+        status, warning = ("intersecting", crossed) if status == "moved" else (status, f"{crossed}; {warning}")
     worst = {key: max((row[key] for row in rows if row[key] is not None), default=None) for key in _MEASURED}
     return {"status": status, "seconds": rows[-1]["time_s"], "wall_time_s": movement.wall_s, "warning": warning, **worst, "frames": rows}
 

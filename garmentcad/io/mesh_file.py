@@ -16,12 +16,12 @@ from garmentcad.errors import MeshError
 from garmentcad.geometry.intersection import crossing_triangle_pairs
 from garmentcad.geometry.repair import repaired
 from garmentcad.io.yaml_file import read_bytes
+from garmentcad.mannequin.mannequin import MAX_STATURE_M, MIN_STATURE_M
 
 MESH_ENDINGS = (".obj", ".ply", ".stl", ".glb")
 MAX_BYTES = 200_000_000
 MAX_FACES = 500_000
 MIN_FACES = 100
-MIN_STATURE_M, MAX_STATURE_M = 0.5, 2.5
 LEAST_GROWN_M = 1.0  # a scan in inches that is read in cm stands lower
 UNITS = {"m": 1.0, "dm": 0.1, "cm": 0.01, "inch": 0.0254, "mm": 0.001}
 _STL_HEAD, _STL_FACET = 84, 50  # bytes

@@ -9,9 +9,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from garmentcad.errors import MannequinError
 from garmentcad.mannequin.rig import Rig
 
 PART_NAMES = ("torso", "arm_left", "arm_right", "leg_left", "leg_right", "head")  # of a whole body
+MIN_STATURE_M, MAX_STATURE_M = 0.5, 2.5  # of a body; less is a doll
 SHOULDER_RISE = 0.94  # horizontal share of the shoulder seam (cosine of its slope)
 
 
@@ -50,3 +52,22 @@ class Mannequin:
     rig: Rig | None = None  # of bodies that can be posed
     estimated: tuple[str, ...] = ()  # measurements and landmarks that were not found on this body but taken from a table or from proportions
     notes: tuple[str, ...] = ()  # measurements that were given and that it does not have; what was done to a scan's surface
+
+
+def refuse_no_body(body: Mannequin) -> None:
+    """MannequinError for a body that was made by hand and is none: no closed surface of finite points, or none of a body's height in metres."""
+    vertices, faces = np.asarray(body.vertices), np.asarray(body.faces)
+    if vertices.ndim != 2 or vertices.shape[1] != 3 or faces.ndim != 2 or faces.shape[1] != 3 or len(faces) == 0:
+        raise MannequinError(f"vertices {vertices.shape} and faces {faces.shape} came; (V,3) and (F,3) are wanted", key="mannequin")
+    if not np.isfinite(vertices).all():
+        raise MannequinError("a vertex is not finite", key="mannequin")
+    if faces.min() < 0 or faces.max() >= len(vertices):
+        raise MannequinError(f"a face names vertex {faces.max() if faces.max() >= len(vertices) else faces.min()} of {len(vertices)}", key="mannequin")
+    if np.asarray(body.face_part).shape != (len(faces),):
+        raise MannequinError(f"face_part {np.asarray(body.face_part).shape} came; one part for each of {len(faces)} faces is wanted", key="mannequin")
+    height = float(np.ptp(vertices[:, 1]))
+    if not MIN_STATURE_M <= height <= MAX_STATURE_M:
+        raise MannequinError(f"it is {height:.4g} m high; {MIN_STATURE_M:g} to {MAX_STATURE_M:g} m are allowed (metres, y up)", key="mannequin")
+    sides = np.sort(faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1).astype(np.int64) @ [len(vertices), 1]
+    if (np.unique(sides, return_counts=True)[1] != 2).any():
+        raise MannequinError("its surface is not closed: an edge is not that of two faces", key="mannequin")

@@ -27,7 +27,7 @@ from garmentcad.io.outfit_file import read_worn
 from garmentcad.io.pose_file import read_poses
 from garmentcad.io.shipped import Kind, resolve_reference
 from garmentcad.io.spec_file import spec_folder
-from garmentcad.mannequin.mannequin import Mannequin
+from garmentcad.mannequin.mannequin import Mannequin, refuse_no_body
 from garmentcad.mannequin.motion import KeyFrame, motion
 from garmentcad.pattern.draft import draft
 from garmentcad.pattern.outfit import OutfitSpec, put_on
@@ -100,8 +100,8 @@ def make_job(
     check_grid(grid_mm)
     if not 0.0 < max_time_s <= 600.0:
         raise InputError(f"{max_time_s:g} simulated seconds; more than 0 and at most 600 are allowed", key="max_time_s")
-    if isinstance(seed, bool) or not isinstance(seed, Integral) or seed < 0:
-        raise InputError(f"seed {shown(seed)}; 0 or a positive whole number is allowed", key="seed")
+    if isinstance(seed, bool) or not isinstance(seed, Integral) or not 0 <= seed < 1 << 63:
+        raise InputError(f"seed {shown(seed)}; a whole number from 0 to 2^63 - 1 is allowed", key="seed")
     if isinstance(max_particles, bool) or not isinstance(max_particles, Integral) or max_particles < 1:
         raise InputError(f"{shown(max_particles)} particles; a positive whole number is allowed", key="max_particles")
     if mode not in get_args(Mode):
@@ -148,6 +148,7 @@ def _refuse_motion(body: Mannequin, poses: tuple[KeyFrame, ...]) -> None:
 def _body(spec: GarmentSpec | OutfitSpec, given: str | Path | Mannequin | None) -> Mannequin:
     """The body of a job: the one given, or that of the spec."""
     if isinstance(given, Mannequin):
+        refuse_no_body(given)
         return given
     return read_mannequin(given if given is not None else _referred(spec, spec.mannequin, "mannequins", "mannequin"))
 

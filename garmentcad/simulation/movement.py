@@ -27,7 +27,8 @@ HOLD_S = 0.5  # after the last key frame: the garment swings out
 class Movement:
     """What became of a movement. times_s (K,) from its beginning; positions (K,P,3) m of the particles and body (K,V,3) m of the body's vertices at them.
 
-    status: 'moved' to the end, or 'diverged' or 'intersecting' where it broke off; warning: why. state: the last one. wall_s: what it took.
+    status: 'moved' to the end, or 'diverged', 'intersecting' or 'fell', off the body, where it broke off; warning: why. state: the last one.
+    wall_s: what it took.
     """
 
     times_s: np.ndarray
@@ -65,6 +66,9 @@ def move(outcome: Outcome, frames: Sequence[KeyFrame], look: Callable[[Progress]
             if now >= len(kept) / FRAMES_PER_S or now >= end:
                 kept.append((now, state.positions.copy(), path.at(state.time_s)))
                 look(Progress("move", state.step, now, None, None, dynamics.measures(state)[2], None))
+                if state.positions[:, 1].max() < kept[-1][2][:, 1].min():
+                    status, warning = "fell", f"after {now:.2f} s of the movement the garment fell off: all of it is below the body"
+                    break
             if now >= end:
                 break
             dynamics.estimate_time_step(state)

@@ -31,7 +31,7 @@ from garmentcad.simulation.job import Job
 from garmentcad.simulation.run import Outcome
 from garmentcad.solve.dynamics import DivergedError
 from garmentcad.solve.rest import patches, residual
-from garmentcad.units import M_TO_MM
+from garmentcad.units import M_TO_MM, MM_TO_M
 
 FALLEN_MM = 500.0
 WIDEST_BUTTON_MM = 0.5  # a hole that stands farther from its shank pulls with 10 N, or lies on the wrong side
@@ -61,13 +61,16 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
     if finite:
         seams = _seams(outcome)
     fallen = _fallen(state, body) if finite else []
+    coarse = cloth.spacing != MM_TO_M * job.grid_mm
+    grid_mm = round(M_TO_MM * cloth.spacing, 6) if coarse else job.grid_mm
+    early = [f"it ended on the lattice of {grid_mm:g} mm, before the one of {job.grid_mm:g} mm that was asked for"] if coarse else []
     crossed = () if faults is None else faults.said
     notes = [f"mannequin {body.name}: {note}" for note in body.notes]
     made = RunRecord(
         garment=job.pattern.name,
         fabric=job.fabrics[job.pattern.fabric].sheet.name,
         mannequin=body.name,
-        grid_mm=job.grid_mm,
+        grid_mm=grid_mm,
         seed=job.seed,
         mode=job.mode,
         threads=numba.get_num_threads(),
@@ -105,7 +108,7 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
         },
         bands=_bands(outcome) if finite else {},
         uncalibrated=not all(is_calibrated(completed.sheet) for completed in job.fabrics.values()),
-        warnings=(*outcome.warnings, *crossed, *_undone(job.pattern, held), *_torn(job.pattern, seams or {}), *fallen, *notes, *_of_sheets(job)),
+        warnings=(*outcome.warnings, *early, *crossed, *_undone(job.pattern, held), *_torn(job.pattern, seams or {}), *fallen, *notes, *_of_sheets(job)),
     )
     roles = edge_roles(job.pattern)
     placed = place_vertices(job.pattern, cloth, body)
