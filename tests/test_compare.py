@@ -86,6 +86,16 @@ def test_table_and_files(tmp_path: Path) -> None:
         write_comparison(tmp_path / "c.pdf", folders, found, "front", "none")
 
 
+def test_another_sheet_of_the_same_name_is_told() -> None:
+    a, b = worn(), worn()
+    b.report["fabric_sha256"] = "e" * 64
+    found = compared(a, b)
+    assert found.unlike == {"fabric_sha256": ("c" * 64, "e" * 64)}
+    console = Console(width=140, record=True, file=io.StringIO())
+    console.print(comparison_tables(found)[0])
+    assert "fabric, other values of one name" in console.export_text()
+
+
 def test_how_both_ended_is_said_where_it_is_the_same() -> None:
     a, b = worn(), wider(0.010)
     for one in (a, b):

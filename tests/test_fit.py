@@ -38,6 +38,15 @@ def test_a_drape_in_true_motion_is_no_coarser_drape() -> None:
         fit_of(worn(), coarser=[moving])
 
 
+def test_a_drape_in_another_sheet_of_the_same_name_is_no_coarser_drape() -> None:
+    heavier = worn(30.0)
+    heavier.report["fabric_sha256"] = "e" * 64
+    with pytest.raises(InputError, match="the values of the fabric differ"):
+        fit_of(worn(), coarser=[heavier])
+    del heavier.report["fabric_sha256"]  # of an older version
+    assert fit_of(worn(), coarser=[heavier])["error_bars"]
+
+
 def test_a_drape_that_is_not_at_rest_is_no_coarser_drape() -> None:
     falling = worn(30.0)
     falling.report["status"] = "max_time"

@@ -23,7 +23,8 @@ from garmentcad.export.report import blank_report, build_report, report_json, re
 
 # DESIGN section 5: "report.json holds at least".
 PROMISED = [
-    "schema", "garment", "fabric", "mannequin", "grid_mm", "seed", "mode", "threads", "versions", "spec_sha256", "state_sha256", "status", "particles",
+    "schema", "garment", "fabric", "mannequin", "grid_mm", "seed", "mode", "threads", "versions", "spec_sha256", "fabric_sha256", "mannequin_sha256",
+    "state_sha256", "status", "particles",
     "triangles", "panels", "seams", "welds", "steps", "time_step_s", "simulated_time_s", "wall_time_s.setup", "wall_time_s.drape",
     "wall_time_s.total", "rest.max_speed_m_s", "rest.rms_speed_m_s", "rest.kinetic_j_per_kg", "rest.residual_g_rms", "strain_percent.warp.p50",
     "strain_percent.warp.p99", "strain_percent.warp.max", "strain_percent.warp.min", "strain_percent.weft.p99", "trellis_deg.p99", "trellis_deg.max",
@@ -49,6 +50,8 @@ def run_record() -> RunRecord:
         threads=2,
         versions={"numpy": "2", "garmentcad": "0.1.0"},
         spec_sha256="a" * 64,
+        fabric_sha256="c" * 64,
+        mannequin_sha256="d" * 64,
         state_sha256="b" * 64,
         status="converged",
         seams=2,

@@ -30,6 +30,8 @@ class RunRecord:
     threads: int
     versions: dict[str, str]
     spec_sha256: str
+    fabric_sha256: str
+    mannequin_sha256: str
     state_sha256: str
     status: Status
     seams: int

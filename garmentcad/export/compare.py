@@ -20,7 +20,7 @@ from garmentcad.export.result_folder import Result, read_report, read_result_fol
 from garmentcad.export.side_by_side import Exhibit, draw_side_by_side
 from garmentcad.io.atomic import write_atomic
 
-COMPARED = ("garment", "fabric", "mannequin", "grid_mm", "seed", "mode", "status", "spec_sha256", "state_sha256")
+COMPARED = ("garment", "fabric", "mannequin", "grid_mm", "seed", "mode", "status", "spec_sha256", "fabric_sha256", "mannequin_sha256", "state_sha256")
 FORMATS = (".json", ".csv", ".png")
 
 
@@ -89,6 +89,8 @@ def comparison_tables(found: Comparison) -> list[Table]:
     """For the terminal: what the two are, and every figure that one of both has."""
     identity = plain_table("", "A", "B")
     for name, pair in found.unlike.items():
+        if name in ("fabric_sha256", "mannequin_sha256") and name.removesuffix("_sha256") not in found.unlike:
+            identity.add_row(f"{name.removesuffix('_sha256')}, other values of one name", *("–" if value is None else value[:8] for value in pair))
         if not name.endswith("sha256"):
             identity.add_row(name, *("–" if value is None else str(value) for value in pair))
     table = plain_table("quantity", "A", "B", "B - A")

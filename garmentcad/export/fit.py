@@ -21,8 +21,23 @@ from garmentcad.export.result_folder import Result
 from garmentcad.export.table import PlainTable
 from garmentcad.io.atomic import write_atomic
 
-IDENTITY = ("schema", "garment", "fabric", "mannequin", "grid_mm", "seed", "mode", "status", "versions", "spec_sha256", "state_sha256")
+IDENTITY = (
+    "schema",
+    "garment",
+    "fabric",
+    "mannequin",
+    "grid_mm",
+    "seed",
+    "mode",
+    "status",
+    "versions",
+    "spec_sha256",
+    "fabric_sha256",
+    "mannequin_sha256",
+    "state_sha256",
+)
 SAME_GARMENT = ("spec_sha256", "fabric", "mannequin", "mode")
+SAME_VALUES = ("fabric_sha256", "mannequin_sha256")  # where both reports have them
 FORMATS = (".json", ".csv")
 _OWN_TABLE = ("ease_mm", "pattern_ease_mm", "body_girth_mm", "ease_level_mm", "lines", "seam_tension")
 
@@ -35,6 +50,8 @@ def fit_of(result: Result, lines: Sequence[BodyLine] = (), coarser: Sequence[Res
     if coarser:
         for other in coarser:
             unlike = [key for key in SAME_GARMENT if other.report.get(key) != result.report.get(key)]
+            known = [key for key in SAME_VALUES if key in other.report and key in result.report]
+            unlike += [f"the values of the {key.removesuffix('_sha256')}" for key in known if other.report[key] != result.report[key]]
             if unlike:
                 raise InputError(f"the coarser drape is another one: {', '.join(unlike)} differ", key="coarser")
             if other.report["status"] != "converged":

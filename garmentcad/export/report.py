@@ -61,6 +61,8 @@ def build_report(record: RunRecord, measures: Measures) -> dict[str, Any]:
         "threads": record.threads,
         "versions": dict(sorted(record.versions.items())),
         "spec_sha256": record.spec_sha256,
+        "fabric_sha256": record.fabric_sha256,
+        "mannequin_sha256": record.mannequin_sha256,
         "state_sha256": record.state_sha256,
         "status": record.status,
         "particles": measures.particles,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import platform
 from dataclasses import replace
 from importlib.metadata import version
@@ -41,6 +42,7 @@ LIBRARIES = ("numpy", "scipy", "numba", "trimesh", "shapely")
 
 def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
     """Judge and measure the final state of a run."""
+    identity = outcome.job.identity
     job, cloth, state, body = outcome.job, outcome.cloth, outcome.state, outcome.job.mannequin
     finite = bool(np.isfinite(state.positions).all())
     faults = worn = seams = None
@@ -75,7 +77,9 @@ def record(outcome: Outcome) -> tuple[RunRecord, Measures]:
         mode=job.mode,
         threads=numba.get_num_threads(),
         versions=versions(),
-        spec_sha256=job.spec_sha256,
+        spec_sha256=identity["spec"],
+        fabric_sha256=hashlib.sha256(identity["fabric"].encode()).hexdigest(),
+        mannequin_sha256=identity["mannequin"],
         state_sha256=state.sha256(),
         status=status,
         seams=len(job.pattern.seams),
