@@ -21,21 +21,8 @@ from garmentcad.export.result_folder import Result
 from garmentcad.export.table import PlainTable
 from garmentcad.io.atomic import write_atomic
 
-IDENTITY = (
-    "schema",
-    "garment",
-    "fabric",
-    "mannequin",
-    "grid_mm",
-    "seed",
-    "mode",
-    "status",
-    "versions",
-    "spec_sha256",
-    "fabric_sha256",
-    "mannequin_sha256",
-    "state_sha256",
-)
+IDENTITY = ("schema", "garment", "fabric", "mannequin", "grid_mm", "seed", "mode", "status", "versions", "spec_sha256", "fabric_sha256", "mannequin_sha256",
+            "state_sha256")  # fmt: skip
 SAME_GARMENT = ("spec_sha256", "fabric", "mannequin", "mode")
 SAME_VALUES = ("fabric_sha256", "mannequin_sha256")  # where both reports have them
 FORMATS = (".json", ".csv")
