@@ -170,7 +170,10 @@ def _close(
         dynamics.constraint.least_share = np.where(between, min(1.0, leniency * LEAST_SHARE), LEAST_SHARE)
         # By the clock alone, and for every look anew: so it is the same in a run that goes on from here.
         if state.time_s - since >= CLOSING_PULL_OUT_S:
-            state.positions[:] = pulled_out(state.positions, cloth.particle_triangles, cloth.stitches[chosen], gaps[:sewn] >= CLOSED_M)
+            pulled = pulled_out(state.positions, cloth.particle_triangles, cloth.stitches[chosen], gaps[:sewn] >= CLOSED_M)
+            if pulled is not state.positions:
+                state.positions[:] = pulled
+                dynamics.contact.start(state)  # it measures ways, and this was none
         if state.time_s - since >= CLOSING_PASS_S:
             dynamics.contact.let_pass(state, _ends(cloth, chosen[gaps[:sewn] >= CLOSED_M]))
         dynamics.constraint.least_speed = np.where(late, SPEED_CAP_M_S, least_closing_speed(state.time_s - since))
