@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from shapely import Polygon, contains_xy, dwithin
-from shapely import points as as_points
+from shapely import Polygon, contains_xy
 
 from garmentcad.cloth.lattice import MaterialOf
 from garmentcad.errors import FabricError, SpecError
@@ -59,9 +58,8 @@ def lay_out_sheets(pattern: Pattern, sheets: Mapping[str, KesSheet]) -> tuple[Ma
     def material_of(panel: Panel, points_mm: np.ndarray) -> np.ndarray:
         found = np.full(len(points_mm), of_panel[panel.name], dtype=np.int32)
         for row, region in enumerate(panel.regions, of_panel[panel.name] + 1):
-            polygon = Polygon(region.polygon_mm)
-            inside = contains_xy(polygon, points_mm[:, 0], points_mm[:, 1])
-            found[inside | dwithin(polygon.exterior, as_points(points_mm), _HAIR_MM)] = row
+            area = Polygon(region.polygon_mm).buffer(_HAIR_MM, join_style="mitre")
+            found[contains_xy(area, points_mm[:, 0], points_mm[:, 1])] = row
         return found
 
     return material_table(rows), material_of

@@ -20,9 +20,13 @@ from garmentcad.units import M_TO_MM
 
 
 def welded_particles(cloth: Cloth) -> np.ndarray:
-    """(P,) int32: the particle that each particle becomes when all stitches close, chains of stitches included. Numbered by their first particle."""
-    count = cloth.particle_count
-    graph = coo_array((np.ones(len(cloth.stitches), dtype=np.int8), (cloth.stitches[:, 0], cloth.stitches[:, 1])), shape=(count, count))
+    """(P,) int32: the particle that each particle becomes when all stitches close."""
+    return joined_particles(cloth.stitches, cloth.particle_count)
+
+
+def joined_particles(stitches: np.ndarray, count: int) -> np.ndarray:
+    """(P,) int32: what each of `count` particles becomes when stitches (S,2) close, chains of stitches included. Numbered by their first particle."""
+    graph = coo_array((np.ones(len(stitches), dtype=np.int8), (stitches[:, 0], stitches[:, 1])), shape=(count, count))
     _, label = connected_components(graph, directed=False)
     _, first = np.unique(label, return_index=True)
     rank = np.empty(len(first), dtype=np.int32)

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
-from garmentcad.arrays import indices
+from garmentcad.cloth.weld import joined_particles
 from garmentcad.contact.elements import unique_edges
 from garmentcad.geometry.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
 
@@ -54,10 +52,9 @@ def turned_out(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
 def pulled_out(positions: np.ndarray, triangles: np.ndarray, stitches: np.ndarray, standing: np.ndarray) -> np.ndarray:
     """Positions (P,3) of cloth whose stitches (S,2) close, with the corners pulled out that would stand through it where those that are `standing` open (S,)
     bool have closed; as they are where something crosses that is no mere corner."""
-    count = len(positions)
-    _, shut = connected_components(coo_array((np.ones(len(stitches), dtype=np.int8), (stitches[:, 0], stitches[:, 1])), shape=(count, count)), directed=False)
+    shut = joined_particles(stitches, len(positions))
     middle = np.column_stack([np.bincount(shut, positions[:, axis]) for axis in range(3)]) / np.bincount(shut)[:, None]
-    closed = indices(shut[triangles])
+    closed = shut[triangles]
     if not np.isin(closed[crossing_triangle_pairs(middle, closed)], shut[stitches[standing]]).any():
         return positions
     turned = turned_out(middle, closed)
