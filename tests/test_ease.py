@@ -43,6 +43,24 @@ def test_layers_that_share_a_seam_are_a_section_each(order: tuple[int, ...]) -> 
     assert sum(len(chain.triangles) for chain in chains) == 2 * 3 * 40
 
 
+@pytest.mark.parametrize("seed", range(20))
+def test_every_triangle_that_the_plane_cuts_is_in_one_chain(seed: int) -> None:
+    """Soups of triangles, of which up to five share an edge: each segment lies in its triangle and in the plane, and ends where the next one begins."""
+    rng = np.random.default_rng(seed)
+    points, faces = rng.normal(size=(9, 3)), np.array([rng.choice(9, 3, replace=False) for _ in range(25)], dtype=np.int32)
+    above = (points[:, 1] >= 0.1)[faces].sum(axis=1)
+    chains = cut(points, faces, horizontal(0.1))
+    assert sorted(np.concatenate([chain.triangles for chain in chains])) == np.flatnonzero((above > 0) & (above < 3)).tolist()
+    for chain in chains:
+        begins = chain.points[: len(chain.triangles)]
+        ends = np.roll(chain.points, -1, axis=0) if chain.closed else chain.points[1:]
+        for line in (begins, ends):
+            assert np.abs(line[:, 1] - 0.1).max() < 1e-12
+            assert np.abs(trimesh.triangles.closest_point(points[faces[chain.triangles]], line) - line).max() < 1e-9
+        assert chain.closed or len(chain.points) == len(chain.triangles) + 1
+        assert not chain.closed or len(chain.triangles) > 2
+
+
 @pytest.mark.parametrize("height", [0.0, 0.3, -0.77])
 def test_sphere_section_is_a_circle(height: float) -> None:
     mesh = trimesh.creation.icosphere(subdivisions=5, radius=1.0)
