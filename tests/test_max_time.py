@@ -98,3 +98,13 @@ def test_what_crosses_the_body_says_where() -> None:
     assert "(torso" in said
     assert "of 'back_left' at (" in said
     assert "of 'back_right' at (" in said
+
+
+def test_a_report_has_the_lattice_on_which_a_run_ended() -> None:
+    """Particles and grid belong to each other: an error bar goes by both."""
+    made, _ = record(stopped_at(0.02, grid_mm=20.0))
+    assert (made.grid_mm, [text for text in made.warnings if "lattice" in text]) == (20.0, [])
+    outcome = stopped_at(0.02, grid_mm=12.0)
+    made, _ = record(outcome)
+    assert made.grid_mm == pytest.approx(1000.0 * outcome.cloth.spacing) == 24.0
+    assert "it ended on the lattice of 24 mm, before the one of 12 mm that was asked for" in made.warnings
