@@ -341,6 +341,18 @@ def test_a_drape_says_what_the_doctor_calls_an_error_of_its_seams() -> None:
     assert told.endswith("[seam-twisted]")
 
 
+def test_a_drape_says_which_regions_have_no_effect_on_its_lattice() -> None:
+    data: dict[str, Any] = yaml.safe_load(Path(shipped_file("patterns", "flared-skirt")).read_text(encoding="utf-8"))
+    front = data["panels"]["front"]
+    hem = next(edge["name"] for edge in front["edges"] if edge.get("role") == "hem")
+    front["regions"] = [{"name": "tape", "band": {"edge": hem, "width": 2}, "factors": {"B": 5}}]
+    told = [warning for warning in drape(parse_spec(data), grid_mm=50.0, max_time_s=1e-3).report["warnings"] if "garmentcad check" in warning]
+    assert [line.split(": ")[1] for line in told] == ["panels.front.regions.tape"]  # once, for the mirror image and the back, which is drafted as the front
+    assert all("no element of the lattice of 50 mm" in line and line.endswith("[region-without-lattice]") for line in told)
+    front["regions"][0]["band"]["width"] = 120
+    assert not [warning for warning in drape(parse_spec(data), grid_mm=50.0, max_time_s=1e-3).report["warnings"] if "garmentcad check" in warning]
+
+
 def test_refusals_are_findings() -> None:
     data = copy.deepcopy(GOOD)
     data["panels"]["front"]["edges"][1]["to"] = "d"

@@ -9,6 +9,7 @@ from pathlib import Path
 from garmentcad.analysis.clearance import clearing_moves, move_panels
 from garmentcad.analysis.run_record import Mode
 from garmentcad.check.placement import check_twists
+from garmentcad.check.region import check_regions
 from garmentcad.check.seam import check_seams
 from garmentcad.cloth.lattice import build_cloth
 from garmentcad.cloth.panel_mesh import PARTICLE_CAP
@@ -91,21 +92,24 @@ def finish(job: Job, look: Callable[[Progress], None], folder: Path | None, resu
         return _written(outcome, look, folder)
 
 
-def _seam_errors(job: Job) -> list[str]:
-    """What the pattern doctor calls an error of the seams: it can be draped all the same, and what comes to rest clean may still be wrong."""
+def _doctor_on(outcome: Outcome) -> list[str]:
+    """What can be draped all the same and come to rest clean, and is wrong to the pattern doctor: errors of the seams, and regions without effect on the
+    lattice that was draped."""
+    job = outcome.job
     materials, material_of = lay_out(job)
     cloth = build_cloth(job.pattern, material_of, materials, grids_of(job)[0], particle_cap=job.max_particles)  # the coarsest on which it is sewn
     positions = place_vertices(job.pattern, cloth, job.mannequin)
     positions = move_panels(cloth, positions, clearing_moves(job.pattern, cloth, positions, job.mannequin))
-    found = [*check_seams(job.pattern, job.spec.file), *check_twists(job.pattern, cloth, positions, job.spec.file)]
-    return [f"`garmentcad check` finds an error: {one.key}: {one.message} [{one.code}]" for one in found if one.severity == "error"]
+    seams = [*check_seams(job.pattern, job.spec.file), *check_twists(job.pattern, cloth, positions, job.spec.file)]
+    told = [f"`garmentcad check` finds an error: {one.key}: {one.message} [{one.code}]" for one in seams if one.severity == "error"]
+    return told + [f"`garmentcad check` warns: {one.key}: {one.message} [{one.code}]" for one in check_regions(job.pattern, outcome.flat, job.spec.file)]
 
 
 def _written(outcome: Outcome, look: Callable[[Progress], None], folder: Path | None) -> tuple[Result, WrittenFolder | None]:
     job = outcome.job
     made, measures = record(outcome)
     report = build_report(made, measures)
-    report["warnings"] += _seam_errors(job)
+    report["warnings"] += _doctor_on(outcome)
     files: list[Path] = []
     notes: list[str] = []
     if job.poses and made.status == "converged":
