@@ -352,7 +352,7 @@ def test_a_flared_skirt_inside_the_forearms() -> None:
 
     (finding,) = said(70)
     assert re.search(r"up to 1\d mm deep, in arm_left and arm_right, 8\d\d to 9\d\d mm above the floor$", finding.message)
-    assert finding.remedy.startswith("Wrap a sleeve wider (offset, scale); lay what hangs beside the arms with a smaller flare, ")
+    assert finding.remedy.startswith("Wrap a sleeve wider (offset, scale); lay what lies beside the arms nearer to the body ")
     assert "arm_angle of a mannequin file, up to 60 degrees" in finding.remedy
     assert said(60) == []
 

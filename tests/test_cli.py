@@ -38,6 +38,8 @@ def test_a_mannequin_shows_the_cylinders_that_panels_are_wrapped_on(tmp_path: Pa
     torso = read_mannequin("woman-88").cylinders["torso"]
     front, side = 1000.0 * torso.radius_ref, 1000.0 * torso.radius_side
     assert [line.split()[2:] for line in lines if line.startswith("cylinder torso")] == [f"{front:.1f} mm radius at the angle 0, {side:.1f} mm at 90".split()]
+    nape = 1000.0 * read_mannequin("woman-88").landmarks["nape"]
+    assert [line.split()[2:] for line in lines if line.startswith("landmark nape")] == [[*(f"{value:.1f}" for value in nape), "mm"]]
     page = (Path(__file__).parents[1] / "docs" / "spec.md").read_text(encoding="utf-8")
     assert f"of the torso {front:.0f} mm in front and {side:.0f} mm at the sides" in page  # the example there
 

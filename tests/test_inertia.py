@@ -106,8 +106,8 @@ def test_the_time_step_of_light_cloth_under_a_taut_band_is_that_of_its_highest_f
     ends = np.repeat(np.column_stack([row[:-1], row[1:]])[:, :, None], 3, axis=2).astype(np.int32)
     count = len(ends)
     band = ForceBand(
-        BandSegments(ends, np.tile([1.0, 0.0, 0.0], (count, 2, 1)), np.arange(count + 1, dtype=np.int32), np.full(count, 0.008), np.full(count, 40.0),
-                     np.zeros(count, np.int32))
+        BandSegments(ends, np.tile([1.0, 0.0, 0.0], (count, 2, 1)), np.ones(count), np.arange(count + 1, dtype=np.int32), np.full(count, 0.008),
+                     np.full(count, 40.0), np.zeros(count, np.int32))
     )  # fmt: skip
     forces = ForceAssembly([*internal_forces(cloth, MATERIALS), band], cloth.particle_count)
     dynamics = Dynamics(cloth, forces, strain_limit(cloth, MATERIALS), Contact(cloth, MATERIALS))

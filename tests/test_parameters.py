@@ -75,6 +75,9 @@ def test_a_checkpoint_agrees_with_where_the_body_has_its_landmarks_and_cylinders
 def test_a_name_that_is_no_parameter_and_a_value_out_of_range_are_refused() -> None:
     with pytest.raises(SpecError, match="no parameter is called 'lenght'; did you mean 'length'"):
         make_job("straight-skirt", values={"lenght": 700.0})
+    worked_out = next(iter(read_spec("straight-skirt").values))
+    with pytest.raises(SpecError, match=f"values.{worked_out}: '{worked_out}' is worked out from parameters"):
+        make_job("straight-skirt", values={worked_out: 1.0})
     (finding,) = examine("straight-skirt", values={"length": 7000.0})
     assert (finding.severity, finding.key) == ("error", "parameters.length.value")
     with pytest.raises(InputError, match="for each garment"):

@@ -23,7 +23,7 @@ def remedy_inside(points: np.ndarray, mannequin: Mannequin) -> str:
     arms = [part.startswith("arm_") for part in _parts(points, mannequin)]
     wider = "enlarge the offset or the scale of the placement, or move the panel"
     beside = (
-        "wrap a sleeve wider (offset, scale); lay what hangs beside the arms with a smaller flare, higher or lower, "
+        "wrap a sleeve wider (offset, scale); lay what lies beside the arms nearer to the body (smaller offset, scale or flare), higher or lower, "
         f"or take a body whose arms stand farther out (arm_angle of a mannequin file, up to {MAX_ARM_ANGLE_DEG:g} degrees)"
     )
     return "; ".join([wider] * (not all(arms)) + [beside] * any(arms))

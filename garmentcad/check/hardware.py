@@ -100,19 +100,24 @@ def _on_panel(flat: Cloth, positions: np.ndarray, point: PanelPoint) -> tuple[np
 
 
 def _check_elastics(pattern: Pattern, mannequin: Mannequin, file: str | None) -> Iterator[Finding]:
-    """Elastics longer than what they are sewn to, and those that pull harder than the widest usual one may around the waist before it hurts."""
+    """Elastics longer than what they are sewn to, and those that pull harder than the widest usual one may around the waist before it hurts. They are drawn out
+    to the length of their cloth, and gathered cloth not beyond the body."""
+    girth = _largest_girth(mannequin)
     most = HURTS_PA * _WIDEST_M * MM_TO_M * mannequin.measurements_mm.get("waist", _WAIST_MM) / (2.0 * math.pi)
     for band in pattern.bands:
-        pull = 0.0 if band.ratio is None else band.stiffness_n * (1.0 / band.ratio - 1.0)
+        if band.ratio is None:
+            continue
+        along = sum(line_mm(pattern, line) for line in band.lines)
+        out = min(along, girth) if girth > 0.0 else along
+        pull = band.stiffness_n * (out / (band.ratio * along) - 1.0)
         if pull > most:
             yield Finding(
                 "warning", "elastic-strong", file, f"elastics.{band.name}.stiffness",
-                f"drawn out to the length of its cloth the elastic pulls {pull:.0f} N; around a waist even one {_WIDEST_M * M_TO_MM:.0f} mm wide hurts "
-                f"from {most:.0f} N on",
+                f"drawn out to {out:.0f} mm of the {along:.0f} mm of its cloth the elastic pulls {pull:.0f} N; around a waist "
+                f"even one {_WIDEST_M * M_TO_MM:.0f} mm wide hurts from {most:.0f} N on",
                 "stiffness is in N per unit of strain: what it takes to draw the elastic out to twice its length, some 10 to 100 N.",
             )  # fmt: skip
-        if band.ratio is not None and band.ratio > 1.0:
-            along = sum(line_mm(pattern, line) for line in band.lines)
+        if band.ratio > 1.0:
             yield Finding(
                 "warning", "elastic-slack", file, f"elastics.{band.name}.ratio",
                 f"the ratio is {band.ratio:g}: at rest the elastic is {band.ratio * along:.0f} mm long, and what it is sewn to {along:.0f} mm; "
@@ -122,7 +127,7 @@ def _check_elastics(pattern: Pattern, mannequin: Mannequin, file: str | None) ->
 
 
 def _check_belts(pattern: Pattern, mannequin: Mannequin, file: str | None) -> Iterator[Finding]:
-    girth = max((mannequin.measurements_mm.get(name, 0.0) for name in ("bust", "waist", "hip")), default=0.0)
+    girth = _largest_girth(mannequin)
     for band in pattern.bands:
         if band.length_mm is None:
             continue
@@ -133,6 +138,11 @@ def _check_belts(pattern: Pattern, mannequin: Mannequin, file: str | None) -> It
                 f"the belt is {band.length_mm:g} mm long, and the cloth along it {around:.0f} mm; the largest girth of {mannequin.name} is {girth:.0f} mm",
                 "Its length is that of the whole ring when nothing pulls, in mm: about the girth that it goes around.",
             )  # fmt: skip
+
+
+def _largest_girth(mannequin: Mannequin) -> float:
+    """Of bust, waist and hip, mm; 0 where the body has none of them."""
+    return max(mannequin.measurements_mm.get(name, 0.0) for name in ("bust", "waist", "hip"))
 
 
 def line_mm(pattern: Pattern, line: tuple[EdgeUse, ...] | tuple[PanelPoint, PanelPoint]) -> float:

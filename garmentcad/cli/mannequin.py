@@ -29,19 +29,23 @@ def show(
     name: Annotated[str, typer.Argument(help="A shipped mannequin or a file.")],
     as_json: Annotated[bool, typer.Option("--json", help="One JSON object and nothing else.")] = False,
 ) -> None:
-    """Measurements of a mannequin in mm, and the radii of the cylinders on which panels are wrapped."""
+    """Measurements of a mannequin in mm, the radii of the cylinders on which panels are wrapped, and the landmarks that pins go by (x to its left, y above the
+    floor, z to the front)."""
     from garmentcad.io.mannequin_file import read_mannequin
 
     body = read_mannequin(name)
     radii = {part: (M_TO_MM * around.radius_ref, M_TO_MM * around.radius_side) for part, around in body.cylinders.items()}
+    marks = {mark: [M_TO_MM * float(value) for value in place] for mark, place in sorted(body.landmarks.items())}
     if as_json:
         found = {"mannequin": body.name, "measurements_mm": body.measurements_mm, "estimated": list(body.estimated), "notes": list(body.notes)}
-        print(json.dumps(found | {"cylinder_radii_mm": radii}))
+        print(json.dumps(found | {"cylinder_radii_mm": radii, "landmarks_mm": marks}))
         return
     for key, value in sorted(body.measurements_mm.items()):
         print(f"{key:20} {value:8.1f} mm{'  (not measured on this body)' if key in body.estimated else ''}")
     for part, (at_0, at_90) in radii.items():
         print(f"cylinder {part:11} {at_0:8.1f} mm radius at the angle 0, {at_90:.1f} mm at 90")
+    for mark, (x, y, z) in marks.items():
+        print(f"landmark {mark:24} {x:8.1f} {y:8.1f} {z:8.1f} mm")
     for note in body.notes:
         print(note)
 

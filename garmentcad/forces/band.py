@@ -4,6 +4,12 @@
 
 L is the length of a group of segments that share one tension, L0 [m] its rest length, k [N] the stiffness per unit of strain. A sewn elastic has a group for
 each segment (it cannot slip on the cloth), a belt one for its whole ring (it slides along it without friction). Slack bands carry nothing: they fold.
+
+    L = sum of share times length over the segments of a group
+
+A belt is as long as the arc through its points: a third of what two chords in a row are longer than the one over both (Richardson's extrapolation) is missing
+from them. So that one is a segment, too, of negative share.
+
 Segments end at points of the cloth, each a weighted mean of three particles. What presses a taut band onto the body is T times its curvature, and comes from
 the corners between its segments; cloth below carries it by contact. The masses of bands are neglected.
 """
@@ -27,6 +33,7 @@ class BandSegments(NamedTuple):
 
     particles: np.ndarray  # (S,2,3) int32 of both ends
     weights: np.ndarray  # (S,2,3)
+    share: np.ndarray  # (S,) of its length in that of its group
     start: np.ndarray  # (G+1,) int32
     rest: np.ndarray  # (G,) m
     stiffness: np.ndarray  # (G,) N
@@ -36,7 +43,7 @@ class BandSegments(NamedTuple):
 def no_bands() -> BandSegments:
     """The segments of a garment without bands."""
     none = np.zeros(0, dtype=np.int32)
-    return BandSegments(np.zeros((0, 2, 3), np.int32), np.zeros((0, 2, 3)), np.zeros(1, np.int32), np.zeros(0), np.zeros(0), none)
+    return BandSegments(np.zeros((0, 2, 3), np.int32), np.zeros((0, 2, 3)), np.zeros(0), np.zeros(1, np.int32), np.zeros(0), np.zeros(0), none)
 
 
 @kernel
@@ -58,11 +65,11 @@ def write_bands(band, positions, out):  # type: ignore[no-untyped-def]
     for group in range(len(band.rest)):
         length = 0.0
         for s in range(band.start[group], band.start[group + 1]):
-            length += _side(band, s, positions)[3]
+            length += band.share[s] * _side(band, s, positions)[3]
         tension = band.stiffness[group] * max(length / band.rest[group] - 1.0, 0.0)
         for s in range(band.start[group], band.start[group + 1]):
             x, y, z, side = _side(band, s, positions)
-            pull = tension / max(side, SHORTEST_M)
+            pull = band.share[s] * tension / max(side, SHORTEST_M)
             for k in range(3):
                 at_a, at_b = pull * band.weights[s, 0, k], -pull * band.weights[s, 1, k]
                 out[6 * s + k, 0], out[6 * s + k, 1], out[6 * s + k, 2] = at_a * x, at_a * y, at_a * z
@@ -85,7 +92,7 @@ class ForceBand(OneLaw):
 
     def lengths(self, positions: np.ndarray) -> np.ndarray:
         """Length (G,) m of each group."""
-        return np.bincount(self._group, np.linalg.norm(self._sides(positions), axis=1), len(self.segments.rest))
+        return np.bincount(self._group, self.segments.share * np.linalg.norm(self._sides(positions), axis=1), len(self.segments.rest))
 
     def tensions(self, positions: np.ndarray) -> np.ndarray:
         """Tension (G,) N of each group."""
@@ -100,7 +107,7 @@ class ForceBand(OneLaw):
         # across it by T over the segments' lengths.
         segments, sides = self.segments, self._sides(positions)
         size = np.maximum(np.linalg.norm(sides, axis=1), SHORTEST_M)
-        pull = (sides / size[:, None])[:, None, None, :] * np.array([-1.0, 1.0])[:, None, None] * segments.weights[..., None]
+        pull = (segments.share[:, None] * sides / size[:, None])[:, None, None, :] * np.array([-1.0, 1.0])[:, None, None] * segments.weights[..., None]
         key = (self._group[:, None, None] * (int(segments.particles.max(initial=0)) + 1) + segments.particles).ravel()
         _, node = np.unique(key, return_inverse=True)
         node = node.ravel()
@@ -115,7 +122,7 @@ class ForceBand(OneLaw):
 
     def write_stiffness_across(self, positions: np.ndarray, out: np.ndarray) -> None:
         size = np.maximum(np.linalg.norm(self._sides(positions), axis=1), SHORTEST_M)
-        out[:] = 2.0 * np.repeat(self.tensions(positions)[self._group] / size, CORNERS) * self.segments.weights.ravel()
+        out[:] = 2.0 * np.repeat(np.abs(self.segments.share) * self.tensions(positions)[self._group] / size, CORNERS) * self.segments.weights.ravel()
 
     def _sides(self, positions: np.ndarray) -> np.ndarray:
         ends = np.einsum("sek,sekx->sex", self.segments.weights, positions[self.segments.particles])

@@ -43,6 +43,8 @@ class Scope:
 def with_values(spec: GarmentSpec, values: Mapping[str, float]) -> GarmentSpec:
     """The garment with other values of parameters. SpecError for a name that is none; whether a value lies in its range is seen when the garment is drafted."""
     for name in values:
+        if name in spec.values:
+            raise SpecError(f"{name!r} is worked out from parameters and measurements, under values; set a parameter", file=spec.file, key=f"values.{name}")
         if name not in spec.parameters:
             raise SpecError(f"no parameter is called {name!r}{did_you_mean(name, spec.parameters)}", file=spec.file, key="parameters")
     return spec.model_copy(
