@@ -89,8 +89,7 @@ WATCH_S = 0.3
 STILL_M_S = 1e-3
 STANDS_M_S = 1e-8  # RMS speed below which nothing moves: round-off of a settled garment
 # What is out of balance gathers speed until drag takes as much: at the most drag, residual over drag. Where cloth moves with less than this part of that, it is
-# held: a robe under a belt, 23 g out of balance, crept to a standstill for two simulated seconds with other masses than its own; one that its belt squeezed
-# flat, 98 g, for three with these.
+# held: a robe under a belt, 23 g out of balance, crept to a standstill for two simulated seconds.
 HELD_SHARE = 3e-4
 _SLIPS = "slips"  # in State.run: whether cloth slips while tension comes back
 _CALM = "calm"  # in State.run: whether the residual has been below CALM_G
@@ -173,9 +172,9 @@ class Course:
         while state.phase != "rest":
             if self._is_off(state):
                 state.run[FELL] = 1.0
+            self.set_phase(state)  # of a run that ends at once, too: its residual is measured
             if state.time_s >= self.max_time_s or STANDS in state.run or FELL in state.run:
                 return "max_time"
-            self.set_phase(state)
             if not advance_or_retreat(self.dynamics, state):
                 continue
             if state.phase == "watch":
