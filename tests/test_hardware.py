@@ -142,6 +142,13 @@ RING = [["right.belt_front", "right.belt_back"], ["left.belt_back", "left.belt_f
         ({"pins": [{"name": "p", "at": "left.centre", "point": [-115, 310, 0]}]}, [("warning", "pin-inside-body", "pins.p.point")]),
         ({"pins": [{"name": "p", "at": "left.centre", "point": [-140, 3100, 0]}]}, [("warning", "pin-far", "pins.p.point")]),
         ({"pins": [{"name": "p", "at": "left.centre", "landmark": "inside", "offset": [0, 900, 0]}]}, [("warning", "pin-far", "pins.p.landmark")]),
+        *(  # the ends of the upper edge, at z -131 and 131 as laid, drawn backward and forward
+            (
+                {"pins": [{"name": f"{name}_pin", "at": f"left.{name}_top", "point": [-30, 380, z]} for name, z in (("back", -way), ("front", way))]},
+                [("warning", "pins-crossed", "pins.front_pin")] if way < 0 else [],
+            )
+            for way in (150, -150)
+        ),
         *(
             ({"belts": [{"name": "b", "along": RING, "length": length, "stiffness": 9}]}, [("warning", "belt-length", "belts.b.length")] if wrong else [])
             for length, wrong in (

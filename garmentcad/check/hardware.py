@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator
 
@@ -19,7 +20,7 @@ from garmentcad.errors import InputError
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.band_lines import band_segments
 from garmentcad.mannequin.mannequin import Mannequin
-from garmentcad.pattern.pattern import EdgeUse, PanelPoint, Pattern
+from garmentcad.pattern.pattern import EdgeUse, PanelPoint, Pattern, Pin
 from garmentcad.pattern.runs import side_length
 from garmentcad.solve.hardware import hardware_rows, redundance_message, redundances
 from garmentcad.units import M_TO_MM, MM_TO_M
@@ -29,6 +30,7 @@ _PARALLEL, _NEAR_M, _BESIDE_M = 0.9, 0.1, 0.3  # cosine between the layers of a 
 _INSIDE_M = 0.001  # layers nearer to each other say nothing
 _WIDEST_M, _WAIST_MM = 0.1, 700.0  # of an elastic, and of a body that does not say; estimates
 _FAR_M = 0.5  # between a pin and the point that it holds, as placed
+_CROSSED_M = 0.05  # between two pins of a panel, and between the points that they hold: nearer ones may turn it as they like
 
 
 def check_hardware(
@@ -56,6 +58,7 @@ def check_hardware(
 
 
 def _check_pins(pattern: Pattern, flat: Cloth, positions: np.ndarray, mannequin: Mannequin, file: str | None) -> Iterator[Finding]:
+    held: list[tuple[Pin, np.ndarray, np.ndarray]] = []
     for pin in pattern.pins:
         target = MM_TO_M * np.array(pin.offset_mm) + (0.0 if pin.landmark is None else mannequin.landmarks[pin.landmark])
         key = f"pins.{pin.name}.{'point' if pin.landmark is None else 'landmark'}"
@@ -66,11 +69,23 @@ def _check_pins(pattern: Pattern, flat: Cloth, positions: np.ndarray, mannequin:
                 f"the point lies {depth * M_TO_MM:.0f} mm deep in {mannequin.name}, where no cloth can be",
                 "Move it out of the body, or pin to a landmark, which keeps clear of it.",
             )  # fmt: skip
-        away = float(np.linalg.norm(_on_panel(flat, positions, pin.at)[0] - target))
+        placed = _on_panel(flat, positions, pin.at)[0]
+        held.append((pin, placed, target))
+        away = float(np.linalg.norm(placed - target))
         if away > _FAR_M:
             yield Finding(
                 "warning", "pin-far", file, key, f"{pin.at} starts {away * M_TO_MM:.0f} mm from where the pin holds it",
                 "Points are in mm, y is the height above the floor; correct the point, or place the panel near it.",
+            )  # fmt: skip
+
+    for (one, placed, target), (other, beside, aim) in itertools.combinations(held, 2):
+        lies, drawn = placed - beside, target - aim
+        apart = np.linalg.norm(lies), np.linalg.norm(drawn)
+        if one.at.panel == other.at.panel and min(apart) > _CROSSED_M and lies @ drawn < -_PARALLEL * apart[0] * apart[1]:
+            yield Finding(
+                "warning", "pins-crossed", file, f"pins.{other.name}",
+                f"{other.at} is drawn to where {one.at} starts and the other way round: the pins '{one.name}' and '{other.name}' turn {one.at.panel} over",
+                "Swap the two, or lay the panel the other way round: seen from outside, +x of a panel on the back is the wearer's right.",
             )  # fmt: skip
 
 
