@@ -258,20 +258,24 @@ def test_crossing_is_where_it_is() -> None:
     assert f"at ({x:.1f}, {8 * x / 3:.1f}) mm, on right and left" in found[0].message
 
 
-def gathered(fabric: str, ratio: float) -> list[Finding]:
+def gathered(fabric: str, ratio: float, grid_mm: float = 10.0) -> list[Finding]:
     """A tube whose front is `ratio` times as high as its back, in a shipped fabric."""
     data = copy.deepcopy(GOOD)
     data["panels"]["front"]["points"] |= {"c": [300, 400 * ratio], "d": [0, 400 * ratio]}
     for seam in data["seams"]:
         seam["ease"] = ratio - 1
     sheets = {"wool": load_fabric(fabric_path(fabric)).sheet}
-    return list(check_gathers(draft(parse_spec(data, "tube.yaml"), BODY), sheets, "tube.yaml"))
+    return list(check_gathers(draft(parse_spec(data, "tube.yaml"), BODY), sheets, "tube.yaml", grid_mm))
 
 
 def test_gathers_against_the_fabric() -> None:
     (finding, other) = gathered("wool-suiting", 2.3)
     assert (finding.severity, finding.code, finding.key, other.key) == ("warning", "gather-too-tight", "seams.one", "seams.two")
     assert "920 mm of wool-suiting are gathered into 400 mm, 2.30 to 1" in finding.message
+    assert [(coarse.severity, coarse.code, coarse.key) for coarse in gathered("wool-suiting", 1.9, 20.0)] == [
+        ("note", "gather-coarse", "seams.one"), ("note", "gather-coarse", "seams.two"),
+    ]  # fmt: skip
+    assert gathered("wool-suiting", 1.2, 20.0) == []
     assert gathered("wool-suiting", 1.9) == gathered("cotton-voile", 3.0) == gathered("wool-overcoating", 1.1) == []
     assert len(gathered("wool-overcoating", 1.5)) == 2
     row = material_row(load_fabric(fabric_path("wool-suiting")).sheet)

@@ -136,7 +136,7 @@ def _examine_garment(spec: GarmentSpec, body: Mannequin, grid_mm: float, other: 
         pattern = fabric_apart(pattern)
     found = check_pattern(spec, pattern, grid_mm)
     sheets, faults = _read_sheets(spec, pattern, other)
-    found += faults or _check_fabrics(spec, pattern, sheets)
+    found += faults or _check_fabrics(spec, pattern, sheets, grid_mm)
     if not any(finding.severity == "error" for finding in found):
         found += _check_placed(spec, pattern, body, sheets, grid_mm)
     return pattern, found
@@ -156,7 +156,7 @@ def _read_sheets(spec: GarmentSpec, pattern: Pattern, other: _Named | None) -> t
     return sheets, found
 
 
-def _check_fabrics(spec: GarmentSpec, pattern: Pattern, sheets: dict[str, KesSheet]) -> list[Finding]:
+def _check_fabrics(spec: GarmentSpec, pattern: Pattern, sheets: dict[str, KesSheet], grid_mm: float) -> list[Finding]:
     """Panels and regions whose factors or interfacing make impossible cloth, or take it out of the range of sheets; then gathers."""
     found: dict[str, list[Finding]] = {}  # by key: a region, its mirror images and the pieces of a band have one fault
     for panel in pattern.panels.values():
@@ -169,7 +169,7 @@ def _check_fabrics(spec: GarmentSpec, pattern: Pattern, sheets: dict[str, KesShe
                 continue
             if isinstance(part, Region):
                 found[key] = list(check_factors(part, sheet_of(part, panel, pattern, sheets), key, spec.file))
-    return [*itertools.chain.from_iterable(found.values()), *check_gathers(pattern, sheets, spec.file)]
+    return [*itertools.chain.from_iterable(found.values()), *check_gathers(pattern, sheets, spec.file, grid_mm)]
 
 
 def _check_placed(spec: GarmentSpec, pattern: Pattern, body: Mannequin, sheets: dict[str, KesSheet], grid_mm: float) -> list[Finding]:

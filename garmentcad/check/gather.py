@@ -1,11 +1,11 @@
-"""Findings on gathers: more cloth drawn into a seam than its fabric folds into."""
+"""Findings on gathers: more cloth drawn into a seam than its fabric folds into, or than the lattice shows."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
 from garmentcad.check.finding import Finding
-from garmentcad.cloth.gathers import EASED
+from garmentcad.cloth.gathers import COARSEST_GATHERED_MM, EASED, GATHERED
 from garmentcad.fabric.material import MaterialRow, material_row
 from garmentcad.fabric.sheet import KesSheet
 from garmentcad.pattern.pattern import Pattern
@@ -28,14 +28,20 @@ def fullest(row: MaterialRow) -> float:
     return max(EASED, min(1.0 + _THICKNESS_MM / (row.thickness * M_TO_MM), 1.0 + _BENDING_MM**3 / cube_mm3))
 
 
-def check_gathers(pattern: Pattern, sheets: Mapping[str, KesSheet], file: str | None) -> Iterator[Finding]:
-    """Every seam whose one side is much longer, against the fabrics of that side's panels."""
+def check_gathers(pattern: Pattern, sheets: Mapping[str, KesSheet], file: str | None, grid_mm: float) -> Iterator[Finding]:
+    """Every seam whose one side is much longer, against the fabrics of that side's panels and the lattice."""
     limits = {name: fullest(material_row(sheet)) for name, sheet in sheets.items()}
     for seam in pattern.seams:
         a, b = side_length(pattern, seam.a), side_length(pattern, seam.b)
         if min(a, b) <= 0.0:
             continue
         ratio, side = max((a / b, seam.a), (b / a, seam.b), key=lambda pair: pair[0])
+        if ratio > GATHERED and grid_mm > COARSEST_GATHERED_MM:
+            yield Finding(
+                "note", "gather-coarse", file, f"seams.{seam.name}",
+                f"{max(a, b):.0f} mm are gathered into {min(a, b):.0f} mm: on a lattice of {grid_mm:g} mm they hang in few wide folds",
+                f"Drape it at {COARSEST_GATHERED_MM:g} mm or less (`--grid`).",
+            )  # fmt: skip
         fabric = min((pattern.panels[use.panel].fabric or pattern.fabric for use in side), key=lambda name: limits[name])
         if ratio > limits[fabric]:
             yield Finding(

@@ -7,6 +7,7 @@ import math
 import numpy as np
 from shapely.geometry import Polygon
 
+from garmentcad.cloth.gathers import COARSEST_GATHERED_MM, GATHERED
 from garmentcad.errors import LimitError
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.time_step import SAFETY
@@ -19,9 +20,6 @@ COARSEST_MM = 25.0
 # Coarse spacings along the side of a square as large as the largest panel. An estimate: a disc of 240 mm over a pedestal has 6 folds at 10 mm
 # (docs/studies/agreement.md), and 4 where it falls at 20 mm.
 FEWEST_CELLS = 20.0
-# Gathers fold as they are sewn, as finely as the lattice lets them, and folds of a coarse one stay on the fine one: of a ruffle gathered 1.6 to 1 and sewn at
-# 20 mm three folds were left in a front, and ten where it was sewn at 10. By more than this, cloth over seam, no lattice is coarser.
-GATHERED, COARSEST_GATHERED_MM = 1.25, 12.5
 # Memory beyond that of the program, as squares of 40,000 to 250,000 particles take it (docs/studies/scaling.md).
 PARTICLE_BYTES = 2000
 
