@@ -24,6 +24,7 @@ from garmentcad.contact.contact import Contact
 from garmentcad.contact.path import BodyPath
 from garmentcad.errors import SpecError
 from garmentcad.forces.assembly import ForceAssembly
+from garmentcad.forces.band_lines import band_segments
 from garmentcad.forces.internal import internal_forces
 from garmentcad.io.fabric_file import load_fabric
 from garmentcad.io.shipped import resolve_reference
@@ -425,6 +426,22 @@ def test_an_elastic_waistband_carries_the_tension_of_its_law() -> None:
     cloth = np.zeros_like(positions)
     own.add_up(positions, np.zeros_like(positions), cloth, {name: outcome.state.friction[name].copy() for name in own.slack()})
     assert (inward + (cloth * outward).sum()) / (2.0 * math.pi) == pytest.approx(wanted, rel=0.03)
+
+
+@pytest.mark.parametrize("at", [0.5, 0.53, 0.56])
+def test_an_elastic_goes_over_a_dart(at: float) -> None:
+    """Its mouth, 20 mm of the edge, is no part of what the elastic is sewn to."""
+    along = [["left.top.front_top", "left.top.back_top"]]
+
+    def darted(data: dict[str, Any]) -> None:
+        closed(elastics=[{"name": "waist", "along": along, "ratio": 0.8, "stiffness": 10.0}])(data)
+        data["panels"]["left"]["darts"] = [{"name": "dart", "edge": "top", "at": at, "intake": 20, "length": 60}]
+
+    made = job(darted)
+    materials, material_of = lay_out(made)
+    cloth, _ = weld(build_cloth(made.pattern, material_of, materials, made.grid_mm))
+    flat_m = math.pi * RADIUS + 2e-3 - 20e-3
+    assert band_segments(made.pattern, cloth).rest.sum() == pytest.approx(0.8 * flat_m, rel=2e-3)
 
 
 @pytest.mark.parametrize("kind", ["elastics", "belts"])

@@ -29,15 +29,14 @@ def band_segments(pattern: Pattern, cloth: Cloth) -> BandSegments:
         if band.ratio is None:
             assert band.length_mm is not None
             ring = Anchors(*(np.concatenate([np.asarray(getattr(chain, name)) for chain, _ in chains]) for name in Anchors._fields))
-            points = np.flatnonzero(~_same(ring, np.arange(len(ring.weights)), np.roll(np.arange(len(ring.weights)), -1)))
+            points = np.flatnonzero(~_same_as_next(ring))
             arcs = [np.concatenate(each) for each in zip(*_arcs(len(points), True))]
             parts, lengths = [(ring, points[arcs[0]], arcs[1])], [MM_TO_M * band.length_mm]
         else:
             parts, lengths = [], []
             for chain, along in chains:
-                points = np.append(np.flatnonzero(~_same(chain, np.arange(len(along) - 1), np.arange(1, len(along)))), len(along) - 1)
-                parts += [(chain, points[ends], share) for ends, share in _arcs(len(points) - 1, False)]
-                lengths += list(band.ratio * MM_TO_M * np.diff(along[points]))
+                parts += [(chain, ends, share) for ends, share in _arcs(len(along) - 1, False)]
+                lengths += list(band.ratio * MM_TO_M * np.diff(along))
         for (chain, ends, share), length in zip(parts, lengths, strict=True):
             particles.append(chain.particles[ends])
             weights.append(chain.weights[ends])
@@ -74,10 +73,13 @@ def _chain(pattern: Pattern, cloth: Cloth, band: Band, number: int) -> tuple[Anc
     line = band.lines[number]
     if isinstance(line[0], EdgeUse):
         vertices = _edge_vertices(pattern, cloth, line)  # type: ignore[arg-type]
-        along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(cloth.vertex_uv_mm[vertices], axis=0), axis=1))])
-        held = np.append(np.arange(len(vertices) - 1)[::_APART], len(vertices) - 1)
+        particles = cloth.vertex_particle[vertices]
+        moved = np.concatenate([[True], np.diff(particles) != 0])  # not so over the mouth of a dart, whose two ends are one particle
+        steps = np.linalg.norm(np.diff(cloth.vertex_uv_mm[vertices], axis=0), axis=1)
+        along = np.concatenate([[0.0], np.cumsum(np.where(moved[1:], steps, 0.0))])[moved]
+        held = np.append(np.arange(len(along) - 1)[::_APART], len(along) - 1)
         alone = np.tile([1.0, 0.0, 0.0], (len(held), 1))
-        return Anchors(np.repeat(cloth.vertex_particle[vertices[held]], 3).reshape(-1, 3), alone), along[held]
+        return Anchors(np.repeat(particles[moved][held], 3).reshape(-1, 3), alone), along[held]
     a, b = (np.array(end.uv_mm) for end in line)  # type: ignore[union-attr]
     count = max(1, math.ceil(norm(b - a) * MM_TO_M / (_APART * cloth.spacing)))
     share = np.linspace(0.0, 1.0, count + 1)
@@ -98,8 +100,8 @@ def _edge_vertices(pattern: Pattern, cloth: Cloth, uses: tuple[EdgeUse, ...]) ->
     return np.array(found)
 
 
-def _same(chain: Anchors, first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Which of these pairs of points are one particle: the two sides of a seam, or of a dart's mouth."""
-    single = chain.weights.max(axis=1) == 1.0
-    particle = chain.particles[np.arange(len(chain.weights)), chain.weights.argmax(axis=1)]
-    return np.asarray(single[first] & single[second] & (particle[first] == particle[second]))
+def _same_as_next(ring: Anchors) -> np.ndarray:
+    """Which points of a closed ring are one particle with the one that follows: the two sides of a seam."""
+    single = ring.weights.max(axis=1) == 1.0
+    particle = ring.particles[np.arange(len(ring.weights)), ring.weights.argmax(axis=1)]
+    return np.asarray(single & np.roll(single, -1) & (particle == np.roll(particle, -1)))
