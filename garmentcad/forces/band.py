@@ -7,8 +7,8 @@ each segment (it cannot slip on the cloth), a belt one for its whole ring (it sl
 
     L = sum of share times length over the segments of a group
 
-A belt is as long as the arc through its points: a third of what two chords in a row are longer than the one over both (Richardson's extrapolation) is missing
-from them. So that one is a segment, too, of negative share.
+A band is as long as the arc through its points. Two chords in a row are shorter than it by a third of what they are longer than the one over both (Richardson's
+extrapolation); so that one is a segment of the group, too, with a negative share.
 
 Segments end at points of the cloth, each a weighted mean of three particles. What presses a taut band onto the body is T times its curvature, and comes from
 the corners between its segments; cloth below carries it by contact. The masses of bands are neglected.
