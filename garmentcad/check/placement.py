@@ -44,7 +44,7 @@ def check_placement(cloth: Cloth, positions: np.ndarray, mannequin: Mannequin, f
             deepest, remedy = float(depth[inside].max()), remedy_inside(positions[inside], mannequin)
             yield Finding(
                 "error" if deepest > SHALLOW_M else "warning", "panel-inside-body", file, f"panels.{name}.placement",
-                f"{int(inside.sum())} of {int(mine.sum())} points start inside {mannequin.name}, up to {deepest * M_TO_MM:.0f} mm deep, "
+                f"{int(inside.sum())} of {int(mine.sum())} points start inside {mannequin.name}, up to {max(deepest * M_TO_MM, 1.0):.0f} mm deep, "
                 f"{place_inside(positions[inside], mannequin)}",
                 f"{remedy[0].upper()}{remedy[1:]}; a few mm are pushed out while the seams close.",
             )  # fmt: skip
