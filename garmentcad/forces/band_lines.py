@@ -59,9 +59,9 @@ def _arcs(count: int, closed: bool) -> list[tuple[np.ndarray, np.ndarray]]:
     found = []
     for k in range(count):
         ends, share = [(k, k + 1)], [1.0]
-        # Of two arcs in a row each is longer than its chord by a sixth of what both chords are longer than the one over them. An arc goes by the mean of its
-        # two neighbours, that at an end by its only one.
-        for first in (k - 1, k) if closed else (min(max(first, 0), count - 2) for first in (k - 1, k) if count > 1):
+        # Of two arcs in a row each is longer than its chord by a sixth of what both chords are longer than the one over them. An arc goes by the mean of what
+        # its two neighbours say; one at an end of a chain is taken for its chord.
+        for first in (k - 1, k) if closed or 0 < k < count - 1 else ():
             ends += [(first, first + 1), (first + 1, first + 2), (first, first + 2)]
             share += [1.0 / 12.0, 1.0 / 12.0, -1.0 / 12.0]
         found.append((np.array(ends) % (count if closed else count + 1), np.array(share)))
