@@ -77,7 +77,8 @@ def _chain(pattern: Pattern, cloth: Cloth, band: Band, number: int) -> tuple[Anc
         moved = np.concatenate([[True], np.diff(particles) != 0])  # not so over the mouth of a dart, whose two ends are one particle
         steps = np.linalg.norm(np.diff(cloth.vertex_uv_mm[vertices], axis=0), axis=1)
         along = np.concatenate([[0.0], np.cumsum(np.where(moved[1:], steps, 0.0))])[moved]
-        held = np.append(np.arange(len(along) - 1)[::_APART], len(along) - 1)
+        last = len(along) - 1  # of an odd number of spacings the last three go together: one alone could not fold
+        held = np.append(_APART * np.arange(max(1, last // _APART)), last)
         alone = np.tile([1.0, 0.0, 0.0], (len(held), 1))
         return Anchors(np.repeat(particles[moved][held], 3).reshape(-1, 3), alone), along[held]
     a, b = (np.array(end.uv_mm) for end in line)  # type: ignore[union-attr]
