@@ -7,7 +7,8 @@ import pytest
 import trimesh
 from loose_sheet import Sheet, crosses
 
-from garmentcad.simulation.mend import off_body, pulled_out, turned_out
+from garmentcad.contact.pairs import Pairs, make_pairs
+from garmentcad.simulation.mend import off_body, parted, pulled_out, turned_out
 
 
 def test_what_a_sharp_body_pricks_is_moved_off_it_and_nothing_else_moves() -> None:
@@ -71,6 +72,38 @@ def test_the_top_of_a_pleat_is_turned_out() -> None:
     turned = turned_out(positions, triangles)
     assert not crosses(turned, triangles)
     assert np.linalg.norm(turned - positions, axis=1).max() < 0.01
+
+
+# Shell and lining of a skirt where they are sewn together along its zip and its waist, refined from 20 to 10 mm: 0, 1 and 2 are on the seams, 3 of the shell,
+# 4 of the lining. The edges 0-3 and 1-2 meet.
+ZIP_TOP_MM = np.array([[0.0, 0.0, 0.0], [0.0, -10.0, 0.0], [10.0, 0.0, 0.0], [8.5, -7.5, 0.0], [11.0, -7.5, 0.2]])
+ZIP_TOP = np.array([[3, 0, 2], [3, 1, 0], [0, 2, 1], [4, 1, 2]])
+
+
+@pytest.mark.parametrize("outside", [1.0, -1.0])
+@pytest.mark.parametrize("edges", [[0, 3, 1, 2], [0, 3, 2, 1]])
+def test_edges_that_meet_are_parted_to_the_side_on_which_nothing_crosses(outside: float, edges: list[int]) -> None:
+    """Contact can move nothing that has no room to lose: the lined skirt ended at its first steps on 10 mm. The shell goes where the lining is not."""
+    positions = 1e-3 * ZIP_TOP_MM * [1.0, 1.0, outside]
+    apart = parted(positions, ZIP_TOP, _edge_pair(edges))
+    assert not crosses(apart, ZIP_TOP)
+    assert np.linalg.norm(apart - positions, axis=1).max() < 0.1e-3
+    assert (apart[4] == positions[4]).all()
+    # where the edges pass each other, 0-3 lies on the other side of 1-2 than the lining
+    along = np.cross(apart[3] - apart[0], apart[2] - apart[1])
+    height = (apart[0] - apart[1]) @ (along / np.linalg.norm(along)) * np.sign(along[2])
+    assert 0.04e-3 < -outside * height < 0.06e-3
+
+
+def test_edges_that_meet_between_layers_on_both_sides_stay() -> None:
+    """A second lining on the other side of the shell: to either one the shell would go through cloth."""
+    positions = 1e-3 * np.vstack([ZIP_TOP_MM, [11.0, -7.5, -0.2]])
+    triangles = np.vstack([ZIP_TOP, [5, 1, 2]])
+    assert parted(positions, triangles, _edge_pair([0, 3, 1, 2])).tobytes() == positions.tobytes()
+
+
+def _edge_pair(nodes: list[int]) -> Pairs:
+    return make_pairs(np.zeros((0, 4), dtype=np.int32), np.array([nodes], dtype=np.int32), np.full(6, 1e-3), np.zeros(6))
 
 
 # Two flat sheets that lie 0.2 mm from each other along the y axis, 3 mm at one stitch; and the cells of each.

@@ -277,8 +277,7 @@ class Contact:
         positions, reach = floats(state.positions), float(self._cloth_gap.max(initial=LEAST_GAP)) + 2.0 * way_m
         parts, moving = [], []
         if self._itself:
-            touched, crossed = self._elements.pairs(positions, reach)
-            parts.append(make_pairs(touched, crossed, self._cloth_gap, self._cloth_friction))
+            parts.append(self.near_itself(positions, reach))
             moving.append(np.full(len(parts[-1].nodes), 2.0))
         if self._body is not None:
             sides = 1.0 if self._path is None else 2.0
@@ -289,6 +288,10 @@ class Contact:
             moving.append(np.full(len(parts[-1].nodes), sides))
         found = joined(*parts) if parts else self._no_pairs()
         return found._replace(moving=np.concatenate([*moving, np.zeros(0)]))
+
+    def near_itself(self, positions: np.ndarray, reach: float) -> Pairs:
+        """Pairs of the cloth with itself that are closer than `reach` m at positions (P,3) m."""
+        return make_pairs(*self._elements.pairs(floats(positions), reach), self._cloth_gap, self._cloth_friction)
 
     def _store(self, state: State, pairs: Pairs, covered: float) -> None:
         self.load(state)

@@ -1,4 +1,4 @@
-"""Small faults that a change of the lattice leaves: cloth that is pricked by the body, corners that lie through each other."""
+"""Small faults that a change of the lattice leaves: cloth that is pricked by the body, corners that lie through each other or on each other."""
 
 from __future__ import annotations
 
@@ -6,13 +6,17 @@ import numpy as np
 
 from garmentcad.cloth.weld import joined_particles
 from garmentcad.contact.elements import unique_edges
+from garmentcad.contact.pairs import VERTEX_TRIANGLE, Pairs
 from garmentcad.geometry.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
+from garmentcad.geometry.portable import norm
 
 # Where a sharp part of the body stands out between particles, their triangles are moved off it by so many parts of the spacing, so many times.
 _LIFT, _LIFTS = 0.05, 8
 # Of a corner, each half-way to where its neighbours lie. One was enough after welding where it was seen; tops of pleats, whose two sides are sewn to one point
 # beside their fold and lie on each other on the finer lattice, take up to eleven.
 _TURNS = 24
+# What is closer than this touches: contact lets nothing that it holds lose most of its distance, and what has none cannot move. It is moved apart by so much.
+TOUCHING_M, _APART_M = 1e-6, 0.05e-3
 
 
 def off_body(positions: np.ndarray, triangles: np.ndarray, vertices: np.ndarray, faces: np.ndarray, spacing: float) -> np.ndarray:
@@ -47,6 +51,26 @@ def turned_out(positions: np.ndarray, triangles: np.ndarray) -> np.ndarray:
         mean = np.column_stack([np.bincount(one, turned[other, axis], len(positions)) for axis in range(3)])[corners] / count[corners, None]
         turned[corners] += 0.5 * (mean - turned[corners])
     return turned
+
+
+def parted(positions: np.ndarray, triangles: np.ndarray, pairs: Pairs) -> np.ndarray:
+    """Positions (P,3) m of cloth that does not cross itself, with these pairs of it that touch moved a little apart, each to the side on which nothing crosses;
+    what would cross on both stays. Where two panels are sewn together around a corner, one triangle of each has the same three points on a coarse lattice, and
+    the edges that cut it on a finer one meet."""
+    moved = positions
+    for nodes, kind in zip(pairs.nodes, pairs.kind, strict=True):
+        a, b, c, d = positions[nodes]
+        vertex = kind == VERTEX_TRIANGLE
+        normal = np.cross(c - b, d - b) if vertex else np.cross(b - a, d - c)
+        first = [1.0, -1.0, -1.0, -1.0] if vertex else [1.0, 1.0, -1.0, -1.0]
+        way = 0.5 * _APART_M * np.array(first)[:, None] * (normal / max(norm(normal), 1e-30))
+        for side in (1.0, -1.0):
+            tried = moved.copy()
+            tried[nodes] += side * way
+            if len(crossing_triangle_pairs(tried, triangles)) == 0:
+                moved = tried
+                break
+    return moved
 
 
 def pulled_out(positions: np.ndarray, triangles: np.ndarray, stitches: np.ndarray, standing: np.ndarray) -> np.ndarray:

@@ -33,7 +33,7 @@ from garmentcad.simulation.job import Job
 from garmentcad.simulation.keeper import Keeper, stop_signal
 from garmentcad.simulation.lattices import check_size, grids_of, is_small
 from garmentcad.simulation.materials import lay_out
-from garmentcad.simulation.mend import off_body, turned_out
+from garmentcad.simulation.mend import TOUCHING_M, off_body, parted, turned_out
 from garmentcad.simulation.pressing import imposed_angles, laid_angles, press, under_iron
 from garmentcad.simulation.refine import refined, refined_sliders
 from garmentcad.simulation.resume import refuse_course, refuse_memory, refuse_shape
@@ -184,7 +184,7 @@ class _Run:
                     return failed
             dynamics, soften_all = make_dynamics(self.job, cloth, self.materials, self.state.fold_angles)
             if before is not None:
-                self.state = _refined_state(before, self.state, (cloth, dynamics.forces), level, self.job.mannequin)
+                self.state = _refined_state(before, self.state, dynamics, level, self.job.mannequin)
             hold(dynamics, self.state, pin_rows(hardware))
             self._begin(dynamics)
             last = level == len(grids) - 1
@@ -376,19 +376,22 @@ class _Run:
         return Outcome(self.job, flat, cloth, self.materials, dynamics, self.state, status, welding, wall, self.seconds, self.warnings)
 
 
-def _refined_state(before: tuple[Cloth, ForceAssembly], state: State, after: tuple[Cloth, ForceAssembly], level: int, mannequin: Mannequin) -> State:
-    """The garment of a coarse lattice on a finer one, in the same motion and under the same internal friction; before, after: cloth and forces.
-    RefinementError where it would cross itself or the mannequin."""
-    coarse, fine = before[0], after[0]
+def _refined_state(before: tuple[Cloth, ForceAssembly], state: State, dynamics: Dynamics, level: int, mannequin: Mannequin) -> State:
+    """The garment of a coarse lattice, of this cloth and these forces before, on that of `dynamics`, in the same motion and under the same internal friction.
+    RefinementError where it would cross or touch itself, or cross the mannequin."""
+    coarse, fine = before[0], dynamics.cloth
     both = refined(coarse, np.hstack([state.positions, state.velocities]), fine)
     positions, velocities = np.ascontiguousarray(both[:, :3]), np.ascontiguousarray(both[:, 3:])
     positions = off_body(turned_out(positions, fine.particle_triangles), fine.particle_triangles, mannequin.vertices, mannequin.faces, fine.spacing)
     crossings = len(crossing_triangle_pairs(positions, fine.particle_triangles))
+    if not crossings:
+        positions = parted(positions, fine.particle_triangles, dynamics.contact.near_itself(positions, TOUCHING_M))
+        crossings += len(dynamics.contact.near_itself(positions, TOUCHING_M).nodes)
     crossings += len(crossing_triangle_pairs_between(positions, fine.particle_triangles, mannequin.vertices, mannequin.faces))
     if crossings:
         raise RefinementError(f"the drape on {1e3 * coarse.spacing:g} mm crosses itself in {crossings} places on {1e3 * fine.spacing:g} mm: draped anew there")
     kept = {key: value for key, value in state.run.items() if key != "step_factor"}
-    friction = refined_sliders(*before, state, *after, positions)
+    friction = refined_sliders(*before, state, fine, dynamics.forces, positions)
     run = kept | {"level": float(level)}
     made = State(positions, velocities, state.time_s, state.step, phase="fall", friction=friction, run=run, fold_angles=state.fold_angles, said=state.said)
     made.work_j, made.constraint_speeds, made.constraint_forces = dict(state.work_j), state.constraint_speeds, state.constraint_forces
