@@ -103,7 +103,7 @@ def _drape(keep: Keeper, resume: bool) -> Outcome:
     except CheckpointError as error:
         raise CheckpointError(error.message, file=str(keep.path)) from None
     except RefinementError as error:
-        # Rare: folds lie so close that finer triangles cross. The full lattice from the start costs more, and crosses nothing.
+        # Rare: folds lie so close that finer triangles cross, or cannot part. The full lattice from the start costs more, and crosses nothing.
         anew = _Run(job, keep, None)
         anew.began, anew.setup, anew.seconds = made.began, made.setup, made.seconds
         anew.warnings.append(str(error))
@@ -130,7 +130,7 @@ def _worn_below(job: Job, grid_mm: float) -> Job:
 
 
 class RefinementError(GarmentError):
-    """A finer lattice on the coarse one's shape would cross itself or the mannequin."""
+    """A finer lattice on the coarse one's shape would cross itself or the mannequin, or sticks there."""
 
 
 class UnsewnError(GarmentError):
@@ -196,7 +196,10 @@ class _Run:
             try:
                 status = course.run(self.state, self.keep)
             except (DivergedError, IntersectingError) as error:
-                self.warnings.append(f"on the lattice of {grids[level]:g} mm: {error}")
+                told = f"on the lattice of {grids[level]:g} mm: {error}"
+                if level > 0 and isinstance(error, IntersectingError):
+                    raise RefinementError(f"{told}; draped anew there") from None
+                self.warnings.append(told)
                 status, last = error.status, True
             if last:
                 # What ended while tension was soft is judged as the cloth that it is.
