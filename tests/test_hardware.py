@@ -119,6 +119,7 @@ def draped(made: Job) -> Outcome:
         ({"closures": [3]}, "closures.0", "a mapping is wanted"),
         ({"elastics": [{"name": "e", "along": [["left.low", "left.top.back_top"]], "ratio": 0.8, "stiffness": 9}]}, "elastics.0.along.0", "both"),
         ({"elastics": [{"name": "e", "along": [["left.low", "right.low"]], "ratio": 0.8, "stiffness": 9}]}, "elastics.0.along.0", "points of one panel"),
+        ({"elastics": [{"name": "e", "along": [["left.low", "left.up"], ["left.up", "left.low"]], "ratio": 1, "stiffness": 9}]}, "elastics.0.along.1", "twice"),
         ({"elastics": [{"name": "e", "along": [], "ratio": 0.8, "stiffness": 9}]}, "elastics.0.along", "at least 1"),
         ({"belts": [{"name": "b", "along": [["left.low", "left.high"]], "length": 0, "stiffness": 9}]}, "belts.0.length", "larger than 0"),
     ],

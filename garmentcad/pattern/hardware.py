@@ -84,6 +84,8 @@ def _lines(lines: Sequence[LineSpec], panels: Mapping[str, Panel], key: str) -> 
     found: list[tuple[EdgeUse, ...] | tuple[PanelPoint, PanelPoint]] = []
     for k, line in enumerate(lines):
         where = f"{key}.{k}"
+        if set(line) in [set(before) for before in lines[:k]]:
+            raise SpecError(f"the line from {line[0]!r} to {line[1]!r} is given twice; each line of an elastic or a belt stands there once", key=where)
         parts = [name.count(".") for name in line]
         if parts[0] != parts[1]:
             raise SpecError("both ends of a line are written panel.edge.point (along the outline) or both panel.point (straight across the panel)", key=where)
