@@ -82,10 +82,13 @@ def _belt(spec: BeltSpec, panels: Mapping[str, Panel], scope: Scope, key: str) -
 
 def _lines(lines: Sequence[LineSpec], panels: Mapping[str, Panel], key: str) -> tuple[tuple[EdgeUse, ...] | tuple[PanelPoint, PanelPoint], ...]:
     found: list[tuple[EdgeUse, ...] | tuple[PanelPoint, PanelPoint]] = []
+    seen: set[frozenset[str]] = set()
     for k, line in enumerate(lines):
         where = f"{key}.{k}"
-        if set(line) in [set(before) for before in lines[:k]]:
+        ends = frozenset(line)
+        if ends in seen:
             raise SpecError(f"the line from {line[0]!r} to {line[1]!r} is given twice; each line of an elastic or a belt stands there once", key=where)
+        seen.add(ends)
         parts = [name.count(".") for name in line]
         if parts[0] != parts[1]:
             raise SpecError("both ends of a line are written panel.edge.point (along the outline) or both panel.point (straight across the panel)", key=where)

@@ -196,7 +196,7 @@ class Course:
         dynamics.staged = state.phase in ("fall", "watch") and _PLAIN not in state.run
         dynamics.lighten = state.phase == "settle" and _CALM in state.run
         thrown = self._tied and state.phase == "fall"
-        # At rest no force is cut short: the tension of an elastic that was held folds that gave way in true motion, by 40 mm.
+        # What decides on rest cuts no force short: so cut, the tension of an elastic held folds that gave way in true motion, by 40 mm.
         truly = true_motion or state.phase == "watch" or _TRULY in state.run
         dynamics.speed_cap_m_s = (THROWN_M_S if thrown else math.inf) if truly else self._cap
         softness = 1.0

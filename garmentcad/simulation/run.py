@@ -387,9 +387,10 @@ def _refined_state(before: tuple[Cloth, ForceAssembly], state: State, dynamics: 
     positions, velocities = np.ascontiguousarray(both[:, :3]), np.ascontiguousarray(both[:, 3:])
     positions = off_body(turned_out(positions, fine.particle_triangles), fine.particle_triangles, mannequin.vertices, mannequin.faces, fine.spacing)
     crossings = len(crossing_triangle_pairs(positions, fine.particle_triangles))
-    if not crossings:
-        positions = parted(positions, fine.particle_triangles, dynamics.contact.near_itself(positions, TOUCHING_M))
-        crossings += len(dynamics.contact.near_itself(positions, TOUCHING_M).nodes)
+    touching = dynamics.contact.near_itself(positions, TOUCHING_M)
+    if len(touching.nodes) and not crossings:
+        positions = parted(positions, fine.particle_triangles, touching)
+        crossings = len(dynamics.contact.near_itself(positions, TOUCHING_M).nodes)
     crossings += len(crossing_triangle_pairs_between(positions, fine.particle_triangles, mannequin.vertices, mannequin.faces))
     if crossings:
         raise RefinementError(f"the drape on {1e3 * coarse.spacing:g} mm crosses itself in {crossings} places on {1e3 * fine.spacing:g} mm: draped anew there")
