@@ -20,7 +20,7 @@ def test_what_a_sharp_body_pricks_is_moved_off_it_and_nothing_else_moves() -> No
     triangles = np.vstack([np.column_stack([corner, corner + 11, corner + 12]), np.column_stack([corner, corner + 12, corner + 1])])
     both = np.vstack([triangles, cone.faces + len(flat)])
     assert crosses(np.vstack([flat, cone.vertices]), both)
-    moved = off_body(flat, triangles, np.array(cone.vertices), np.array(cone.faces), 0.01)
+    moved = off_body(flat, triangles, np.array(cone.vertices), np.array(cone.faces), 0.01, 0.004)
     assert not crosses(np.vstack([moved, cone.vertices]), both)
     way = np.linalg.norm(moved - flat, axis=1)
     assert way.max() < 0.005

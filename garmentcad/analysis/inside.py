@@ -9,7 +9,7 @@ from garmentcad.mannequin.mannequin import Mannequin
 from garmentcad.mannequin.pose import MAX_ARM_ANGLE_DEG
 from garmentcad.units import M_TO_MM
 
-SHALLOW_M = 0.010  # contact pushes shallower points out gently while the seams close
+SHALLOW_M = 0.010  # shallower points are moved out before the start
 
 
 def place_inside(points: np.ndarray, mannequin: Mannequin) -> str:

@@ -46,7 +46,7 @@ def check_placement(cloth: Cloth, positions: np.ndarray, mannequin: Mannequin, f
                 "error" if deepest > SHALLOW_M else "warning", "panel-inside-body", file, f"panels.{name}.placement",
                 f"{int(inside.sum())} of {int(mine.sum())} points start inside {mannequin.name}, up to {max(deepest * M_TO_MM, 1.0):.0f} mm deep, "
                 f"{place_inside(positions[inside], mannequin)}",
-                f"{remedy[0].upper()}{remedy[1:]}; a few mm are pushed out while the seams close.",
+                f"{remedy[0].upper()}{remedy[1:]}; points less than {SHALLOW_M * M_TO_MM:.0f} mm deep are moved out before the start.",
             )  # fmt: skip
     owner = cloth.vertex_panel[cloth.triangles[:, 0]]
     others = crossing_owners(positions, cloth.triangles, owner)

@@ -1,4 +1,4 @@
-"""Small faults that a change of the lattice leaves: cloth that is pricked by the body, corners that lie through each other or on each other."""
+"""Small faults that placing or a change of the lattice leaves: cloth that is pricked by the body, corners that lie through each other or on each other."""
 
 from __future__ import annotations
 
@@ -10,8 +10,9 @@ from garmentcad.contact.pairs import VERTEX_TRIANGLE, Pairs
 from garmentcad.geometry.intersection import crossing_triangle_pairs, crossing_triangle_pairs_between
 from garmentcad.geometry.portable import norm
 
-# Where a sharp part of the body stands out between particles, their triangles are moved off it by so many parts of the spacing, so many times.
-_LIFT, _LIFTS = 0.05, 8
+# Where a sharp part of the body stands out between particles, their triangles are moved off it by so many parts of the spacing at a time.
+_LIFT = 0.05
+PRICKED = 0.4  # of the spacing: how deep a prick may be
 # Of a corner, each half-way to where its neighbours lie. One was enough after welding where it was seen; tops of pleats, whose two sides are sewn to one point
 # beside their fold and lie on each other on the finer lattice, take up to eleven.
 _TURNS = 24
@@ -19,11 +20,11 @@ _TURNS = 24
 TOUCHING_M, _APART_M = 1e-6, 0.05e-3
 
 
-def off_body(positions: np.ndarray, triangles: np.ndarray, vertices: np.ndarray, faces: np.ndarray, spacing: float) -> np.ndarray:
-    """Positions (P,3) m of cloth whose triangles (F,3) a sharp part of the body (vertices (V,3) m, faces) pricks, moved off it where they cross it, by less
-    than half a spacing; others stay. What still crosses afterwards does so deeper than that."""
+def off_body(positions: np.ndarray, triangles: np.ndarray, vertices: np.ndarray, faces: np.ndarray, spacing: float, depth_m: float) -> np.ndarray:
+    """Positions (P,3) m of cloth whose triangles (F,3) lie up to depth_m deep in the body (vertices (V,3) m, faces), moved off it where they cross it, by no
+    more than that; others stay. What still crosses afterwards does so deeper."""
     moved = positions.copy()
-    for _ in range(_LIFTS):
+    for _ in range(round(depth_m / (_LIFT * spacing))):
         pairs = crossing_triangle_pairs_between(moved, triangles, vertices, faces)
         if len(pairs) == 0:
             break

@@ -33,12 +33,12 @@ from garmentcad.simulation.job import Job
 from garmentcad.simulation.keeper import Keeper, stop_signal
 from garmentcad.simulation.lattices import check_size, grids_of, is_small
 from garmentcad.simulation.materials import lay_out
-from garmentcad.simulation.mend import TOUCHING_M, off_body, parted, turned_out
+from garmentcad.simulation.mend import PRICKED, TOUCHING_M, off_body, parted, turned_out
 from garmentcad.simulation.pressing import imposed_angles, laid_angles, press, under_iron
 from garmentcad.simulation.refine import refined, refined_sliders
 from garmentcad.simulation.resume import refuse_course, refuse_memory, refuse_shape
 from garmentcad.simulation.sewing import SEWING, SEWINGS, Welding, close_seams, held_from_the_start, hold, open_mm, weld_state
-from garmentcad.simulation.start import refuse_tangled
+from garmentcad.simulation.start import freed, refuse_tangled
 from garmentcad.simulation.stepper import make_dynamics
 from garmentcad.solve.dynamics import DivergedError, Dynamics, IntersectingError
 from garmentcad.solve.hardware import hardware_rows, pin_rows, redundance_message, redundances
@@ -271,7 +271,7 @@ class _Run:
         # way. Both would hang there.
         body = self.job.mannequin
         turned = turned_out(self.state.positions, welded.particle_triangles)
-        self.state.positions = off_body(turned, welded.particle_triangles, body.vertices, body.faces, welded.spacing)
+        self.state.positions = off_body(turned, welded.particle_triangles, body.vertices, body.faces, welded.spacing, PRICKED * welded.spacing)
         self.state.phase = "fall" if _folds_of(flat, worn).all() else "press"  # what is worn has been pressed
         self.state.run |= {"phase_from_s": self.state.time_s} | welding.as_run()
         self.keep.state = None  # until the next phase begins: the state before need not take memory while the next stepper is made
@@ -283,6 +283,7 @@ class _Run:
             worn = self._worn(flat)
             self._placed = _placed(self.job, flat, start, worn, self.warnings)
             refuse_tangled(start, self._placed, self.job.mannequin, worn)
+            self._placed = freed(start, self._placed, self.job.mannequin)
             self.warnings = list(dict.fromkeys(self.warnings))  # a resumed run that places anew has said the same before
         jitter = np.random.default_rng([self.job.seed, sewing]).standard_normal(self._placed.shape)
         positions = self._placed + JITTER_M * jitter
@@ -385,7 +386,8 @@ def _refined_state(before: tuple[Cloth, ForceAssembly], state: State, dynamics: 
     coarse, fine = before[0], dynamics.cloth
     both = refined(coarse, np.hstack([state.positions, state.velocities]), fine)
     positions, velocities = np.ascontiguousarray(both[:, :3]), np.ascontiguousarray(both[:, 3:])
-    positions = off_body(turned_out(positions, fine.particle_triangles), fine.particle_triangles, mannequin.vertices, mannequin.faces, fine.spacing)
+    positions = turned_out(positions, fine.particle_triangles)
+    positions = off_body(positions, fine.particle_triangles, mannequin.vertices, mannequin.faces, fine.spacing, PRICKED * fine.spacing)
     crossings = len(crossing_triangle_pairs(positions, fine.particle_triangles))
     touching = dynamics.contact.near_itself(positions, TOUCHING_M)
     if len(touching.nodes) and not crossings:

@@ -1,4 +1,4 @@
-"""A start is refused where panels cross each other or lie deep inside the mannequin: a tangle at the start stays one."""
+"""A start is refused where panels cross each other or lie deep inside the mannequin: a tangle stays one. What lies a little inside is moved out."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from garmentcad.cloth.cloth import Cloth
 from garmentcad.errors import TangledError
 from garmentcad.geometry.intersection import crossing_triangle_pairs
 from garmentcad.mannequin.mannequin import Mannequin
+from garmentcad.simulation.mend import PRICKED, off_body
 from garmentcad.units import M_TO_MM
 
 LISTED = 5
@@ -37,3 +38,11 @@ def refuse_tangled(cloth: Cloth, positions: np.ndarray, mannequin: Mannequin, wo
         owner = panels[cloth.vertex_panel[cloth.triangles[:, 0]]]
         listed = ", ".join(sorted({" x ".join(sorted((str(owner[i]), str(owner[j])))) for i, j in pairs})[:LISTED])
         raise TangledError(f"panels start crossing each other in {len(pairs)} pairs of triangles ({listed}); move their placements apart", key="panels")
+
+
+def freed(cloth: Cloth, positions: np.ndarray, mannequin: Mannequin) -> np.ndarray:
+    """Positions (P,3) m of a start that is not refused, with what lies a little inside the mannequin moved out of it; as they are where that would make the
+    cloth cross itself. Contact alone would tear it: it pushes points outward, and triangles into which parts of the body stand inward."""
+    depth = SHALLOW_M + PRICKED * cloth.spacing
+    outside = off_body(positions, cloth.particle_triangles, mannequin.vertices, mannequin.faces, cloth.spacing, depth)
+    return positions if len(crossing_triangle_pairs(outside, cloth.particle_triangles)) else outside
