@@ -293,7 +293,8 @@ def test_velocities_are_those_of_the_sum_of_all_forces() -> None:
         inverse = np.where(np.arange(count) % 10 == 0, 0.0, 1.0 / masses)
         expected = np.where(inverse[:, None] > 0.0, (1.0 - dt * drag[:, None]) * before + dt * inverse[:, None] * force, before)
         velocities, out = before.copy(), np.zeros((CHUNKS, 2))
-        advance_velocities(sums, (dt, math.inf), (drag, inverse, across), fresh_planes(none, False), np.zeros(count, np.int8), none, velocities, out)
+        planes, free = fresh_planes(none, False), np.zeros(count, np.int8)
+        advance_velocities(sums, (dt, math.inf), (drag, inverse, across), planes, np.zeros(count), free, none, velocities, out)
         assert velocities == pytest.approx(expected, rel=1e-12, abs=1e-15)
         assert out[:, 0].max() == pytest.approx((expected**2).sum(axis=1).max(), rel=1e-12)
 
@@ -305,7 +306,7 @@ def test_a_speed_that_is_no_number_does_not_hide(wrong: float) -> None:
     none = np.zeros(0, np.int32), np.zeros(CHUNKS + 1, np.int32)
     sums = Sums(np.arange(6, dtype=np.int32), np.arange(5, dtype=np.int32), *none, forces, np.zeros(5), np.ones(5))
     places, inertia = np.zeros((5, 3)), (np.zeros(5), np.ones(5), np.zeros((5, 3)))
-    advance_velocities(sums, (1e-3, math.inf), inertia, fresh_planes(places, False), np.zeros(5, np.int8), places, np.zeros((5, 3)), out)
+    advance_velocities(sums, (1e-3, math.inf), inertia, fresh_planes(places, False), np.zeros(5), np.zeros(5, np.int8), places, np.zeros((5, 3)), out)
     assert out[:, 0].max() == math.inf
 
 
@@ -325,17 +326,18 @@ def test_contact_tells_the_fastest_of_what_is_near_nothing(wrong: float) -> None
         assert grip.near.any() == (wrong != 3.0 and inverse_mass > 0.0), "what may go anywhere is not sifted out"
 
 
-def test_the_cap_leaves_what_presses_on_the_body_and_nothing_else() -> None:
-    """Five particles of 1 kg near a floor, steps of 1 ms, cap 1 m/s: pressed where it lies, 3 mm above, and 3 mm above on something between; drawn along and
-    down; lifted."""
-    forces = np.array([[0.0, -50e3, 0.0], [0.0, -50e3, 0.0], [0.0, -50e3, 0.0], [30e3, -40e3, 0.0], [0.0, 50e3, 0.0]])
-    positions, planes = np.zeros((5, 3)), fresh_planes(np.zeros((5, 3)), False)
+def test_the_cap_leaves_what_the_body_takes_and_nothing_else() -> None:
+    """Six particles of 1 kg near a floor, friction 0.2, steps of 1 ms, cap 1 m/s: pressed where it lies, 3 mm above, and 3 mm above on something between; drawn
+    along and down, by more than the cap and what friction can take, and by less; lifted."""
+    forces = np.array([[0.0, -50e3, 0.0], [0.0, -50e3, 0.0], [0.0, -50e3, 0.0], [30e3, -40e3, 0.0], [7e3, -40e3, 0.0], [0.0, 50e3, 0.0]])
+    positions, planes = np.zeros((6, 3)), fresh_planes(np.zeros((6, 3)), False)
     planes.held[:], planes.normal[:, 0], planes.room[1:3, 0] = 1, [0.0, 1.0, 0.0], 3e-3
     none = np.zeros(0, np.int32), np.zeros(CHUNKS + 1, np.int32)
-    sums = Sums(np.arange(6, dtype=np.int32), np.arange(5, dtype=np.int32), *none, forces, np.zeros(5), np.ones(5))
-    velocities, out = np.zeros((5, 3)), np.zeros((CHUNKS, 2))
-    advance_velocities(sums, (1e-3, 1.0), (np.zeros(5), np.ones(5), np.zeros((5, 3))), planes, np.array([0, 0, 1, 0, 0], np.int8), positions, velocities, out)
-    expected = np.array([[0.0, -50.0, 0.0], [0.0, -1.0, 0.0], [0.0, -50.0, 0.0], [1.0, -40.0, 0.0], [0.0, 1.0, 0.0]])
+    sums = Sums(np.arange(7, dtype=np.int32), np.arange(6, dtype=np.int32), *none, forces, np.zeros(6), np.ones(6))
+    velocities, out = np.zeros((6, 3)), np.zeros((CHUNKS, 2))
+    pressed, inertia = np.array([0, 0, 1, 0, 0, 0], np.int8), (np.zeros(6), np.ones(6), np.zeros((6, 3)))
+    advance_velocities(sums, (1e-3, 1.0), inertia, planes, np.full(6, 0.2), pressed, positions, velocities, out)
+    expected = np.array([[0.0, -50.0, 0.0], [0.0, -1.0, 0.0], [0.0, -50.0, 0.0], [9.0, -40.0, 0.0], [7.0, -40.0, 0.0], [0.0, 1.0, 0.0]])
     assert velocities == pytest.approx(expected, abs=1e-12)
     assert math.sqrt(out[:, 0].max()) == pytest.approx(math.sqrt(2.0)), "what contact takes is no speed"
 

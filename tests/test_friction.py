@@ -56,8 +56,8 @@ def slid(degrees: float, state: State) -> float:
     return 0.5 * GRAVITY_M_S2 * (math.sin(angle) - MU * math.cos(angle)) * state.time_s * (state.time_s + state.time_step_s)
 
 
-def strip_on_plate(degrees: float, seconds: float) -> tuple[np.ndarray, State, Cloth]:
-    """Way of each particle down a plate of many triangles, m, of a strip whose grain is askew to it."""
+def strip_on_plate(degrees: float, seconds: float, cap_m_s: float = math.inf) -> tuple[np.ndarray, State, Cloth]:
+    """Way of each particle down a plate of many triangles, m, of a strip whose grain is askew to it. cap_m_s: forces make no particle faster."""
     turn, materials = tilted(degrees), fabric(60.0)
     cloth = rectangle_cloth(60.0, 30.0, 10.0, 17.0, materials)
     u, v = 1e-3 * cloth.vertex_uv_mm.T
@@ -65,6 +65,7 @@ def strip_on_plate(degrees: float, seconds: float) -> tuple[np.ndarray, State, C
     start = np.column_stack([u, np.full(len(u), 0.05 + GAP), -v]) @ turn.T
     state = State(start.copy(), np.zeros_like(start))
     dynamics = moved(cloth, materials, cloth.masses, (plate.vertices @ turn.T, plate.faces))
+    dynamics.speed_cap_m_s = cap_m_s
     dynamics.start(state)
     advance(dynamics, state, seconds)
     return (start - state.positions) @ turn[:, 0], state, cloth
@@ -84,6 +85,18 @@ def test_strip_on_a_plate_slides_above_it_as_coulomb_says() -> None:
     assert way == pytest.approx(slid(degrees, state), rel=1e-6)
     pressed = float(cloth.masses.sum()) * GRAVITY_M_S2 * math.cos(math.radians(degrees))
     assert state.work_j["friction"] == pytest.approx(-MU * pressed * slid(degrees, state), rel=1e-6)
+
+
+@pytest.mark.parametrize("offset", [-OFFSET_DEG, OFFSET_DEG])
+def test_friction_holds_no_more_where_speeds_are_capped(offset: float) -> None:
+    """Weight alone leads to more than twice the cap in each step. Cut to that it would be held on this slope, and on steeper ones."""
+    cap = 2e-4
+    way, state, _ = strip_on_plate(SLIP_DEG + offset, 1.0, cap)
+    assert GRAVITY_M_S2 * math.sin(math.radians(SLIP_DEG)) * state.time_step_s > 2.0 * cap
+    if offset < 0.0:
+        assert np.abs(way).max() < 1e-9
+    else:
+        assert way == pytest.approx(cap * state.time_s, rel=0.05)
 
 
 @pytest.mark.parametrize(("offset", "sticks"), [(-OFFSET_DEG, True), (OFFSET_DEG, False)])

@@ -67,6 +67,9 @@ LOOSE_SPEED_CAP_M_S = 1.5
 # Nor does a garment with buttons or bands go faster than this while it falls in dynamics, which is more than cloth falls by itself: a belt that is drawn
 # together at once from half as long again pulls a million g at the ends of its segments, and threw a wrap skirt at 60 m/s.
 THROWN_M_S = 5.0
+# Where it is decided whether a garment is at rest no force is cut short that leads to less than this speed: no motion of cloth. A taut elastic may press a
+# particle onto the body with a million g, which contact takes; that is no speed at which a run is taken to diverge.
+UNCUT_M_S = 20.0
 # Settling with fictitious masses: the drag falls with the time since, as beta/t. A drag that is critical for fast modes makes slow ones creep, and one for slow
 # modes lets fast ones ring; under beta/t a mode of frequency w comes to rest from t = beta/(2 w) on as (w t)^(-beta/2), whatever w, and none has to be known.
 SETTLE_DECAY = 5.0
@@ -195,10 +198,13 @@ class Course:
         # What is held may tremble in longer steps than its own, by a ten-thousandth of a millimetre: nothing for motion, but too much for rest.
         dynamics.staged = state.phase in ("fall", "watch") and _PLAIN not in state.run
         dynamics.lighten = state.phase == "settle" and _CALM in state.run
-        thrown = self._tied and state.phase == "fall"
         # What decides on rest cuts no force short: so cut, the tension of an elastic held folds that gave way in true motion, by 40 mm.
-        truly = true_motion or state.phase == "watch" or _TRULY in state.run
-        dynamics.speed_cap_m_s = (THROWN_M_S if thrown else math.inf) if truly else self._cap
+        if state.phase == "watch" or _TRULY in state.run:
+            dynamics.speed_cap_m_s = UNCUT_M_S
+        elif true_motion:
+            dynamics.speed_cap_m_s = THROWN_M_S if self._tied and state.phase == "fall" else math.inf
+        else:
+            dynamics.speed_cap_m_s = self._cap
         softness = 1.0
         if not true_motion and state.phase == "fall":
             left = max(0.0, FALL_S - (state.time_s - state.run["phase_from_s"]))

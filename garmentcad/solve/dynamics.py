@@ -150,7 +150,7 @@ class Dynamics:
         compile_beside(
             (lattice_block, (0, blocks, (coefficients, lattice.slack()), setting, *places, rooms, sums.corner_forces)),
             (respond, (rules, (*places, contact.inverse_masses, 0.0), 0.0, 0.0, 0.0)),
-            (advance_velocities, (sums, (0.0, 0.0), inertia, rules[4], rules[6].pressed, *places, self._out)),
+            (advance_velocities, (sums, (0.0, 0.0), inertia, rules[4], rules[3].friction, rules[6].pressed, *places, self._out)),
             (apply_bonds, (no_bonds(), contact.positions, 0.0, contact.velocities)),
         )
 

@@ -81,7 +81,7 @@ def _accelerate_of(particles, forces, weights, time_step, inertia, velocities): 
 
 
 @kernel
-def _cap_of(particles, cap, time_step, planes, pressed, positions, velocities):  # type: ignore[no-untyped-def]
+def _cap_of(particles, cap, time_step, planes, friction, pressed, positions, velocities):  # type: ignore[no-untyped-def]
     """Where forces would make a particle faster than `cap` it becomes no faster. Returns the largest squared speed, m2/s2."""
     largest = 0.0
     for p in range(particles[0], particles[1]):
@@ -90,19 +90,21 @@ def _cap_of(particles, cap, time_step, planes, pressed, positions, velocities): 
         if square > cap * cap:
             # What presses on the body, or on what keeps it off the body, is not cut: it may be many times the weight, contact takes it, and it holds what
             # pulls beside it in balance. It is no speed either: contact leaves at most the cap of it.
-            (a, b, c), into = (0.0, 0.0, 0.0), 0.0
+            (a, b, c), into, most = (0.0, 0.0, 0.0), 0.0, cap
             if planes.held[p] > 0:
                 (a, b, c), room = rooms(planes, p, 0, row(positions, p))
                 if pressed[p] > 0 or room <= CLOSED + cap * time_step:
                     into = min(0.0, a * x + b * y + c * z)
+                    # Nor is what friction will take: against a pull cut to the cap it would hold what it cannot hold.
+                    most += friction[p] * max(0.0, -into - room / time_step)
             elif pressed[p] == BY_BODY:
                 # Edges or vertices of the body hold it, along normals that only their pairs know.
                 into = -math.sqrt(square)
                 a, b, c = x / into, y / into, z / into
             x, y, z = x - into * a, y - into * b, z - into * c
             square = x * x + y * y + z * z
-            share = cap / math.sqrt(square) if square > cap * cap else 1.0
-            square = share * share * square + min(into * into, cap * cap)
+            share = most / math.sqrt(square) if square > most * most else 1.0
+            square = min(share * share * square, cap * cap) + min(into * into, cap * cap)
             velocities[p, 0], velocities[p, 1], velocities[p, 2] = share * x + into * a, share * y + into * b, share * z + into * c
         # not a number stays one: the comparison is false
         largest = max(largest, square) if square == square else math.inf
@@ -110,22 +112,22 @@ def _cap_of(particles, cap, time_step, planes, pressed, positions, velocities): 
 
 
 @kernel
-def _advance_of(chunk, sums, rates, inertia, planes, pressed, positions, velocities, out):  # type: ignore[no-untyped-def]
+def _advance_of(chunk, sums, rates, inertia, planes, friction, pressed, positions, velocities, out):  # type: ignore[no-untyped-def]
     (time_step, cap), particles = rates, chunk_range(chunk, len(sums.weight))
     _add_up_of(chunk, sums)
     bits = _accelerate_of(particles, sums.corner_forces, sums.weight, time_step, inertia, velocities)
     out[0] = np.int64(bits).view(np.float64)
     if not out[0] <= cap * cap:
-        out[0] = _cap_of(particles, cap, time_step, planes, pressed, positions, velocities)
+        out[0] = _cap_of(particles, cap, time_step, planes, friction, pressed, positions, velocities)
 
 
 @parallel_kernel
-def advance_velocities(sums, rates, inertia, planes, pressed, positions, velocities, out):  # type: ignore[no-untyped-def]
+def advance_velocities(sums, rates, inertia, planes, friction, pressed, positions, velocities, out):  # type: ignore[no-untyped-def]
     """Velocities in place; rates: time step s, speed cap m/s; inertia: drag (P,) 1/s, inverse masses (P,) 1/kg, `across` (P,3) of inertia.py; planes: of the
-    body below; pressed (P,): what held the particle apart in the last step (`Stand.pressed`); out (CHUNKS,2): largest squared speed, m2/s2, in the first
-    column, of what presses on the body only up to the cap."""
+    body below; friction (P,): on it; pressed (P,): what held the particle apart in the last step (`Stand.pressed`); out (CHUNKS,2): largest squared speed,
+    m2/s2, in the first column, of what presses on the body only up to the cap."""
     for chunk in prange(CHUNKS):
-        _advance_of(np.int64(chunk), sums, rates, inertia, planes, pressed, positions, velocities, out[chunk])
+        _advance_of(np.int64(chunk), sums, rates, inertia, planes, friction, pressed, positions, velocities, out[chunk])
 
 
 @kernel
@@ -206,7 +208,8 @@ def run_steps(order, controls, forces, stiff, sums, bonds, limit, contact, clock
                 take_home(stiff.particles, stiff.home, positions, velocities)
             expect(stiff.particles, sums, controls.drag, inverse_masses, dt, velocities, stiff.home)
             inertia = (controls.drag, inverse_masses, controls.across)
-            advance_velocities(sums, (dt, controls.speed_cap), inertia, rules[4], rules[6].pressed, positions, velocities, out)
+            rates, grip = (dt, controls.speed_cap), rules[3]
+            advance_velocities(sums, rates, inertia, rules[4], grip.friction, rules[6].pressed, positions, velocities, out)
             fastest = _largest(out)
             if not fastest < controls.runaway:
                 return RUNAWAY
