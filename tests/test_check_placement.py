@@ -211,6 +211,33 @@ def test_a_godet_that_is_sewn_in_with_left_and_right_exchanged(apart: float) -> 
     assert "seams godet_left and godet_right cross over: they join godet to left and right" in found.message
 
 
+def test_straps_that_cross_behind_the_back_are_meant() -> None:
+    """From the ends of a back band up to flat straps over the shoulders, each to the other side: 500 mm away, crosswise hardly more."""
+
+    def crossed(partners: tuple[str, str], deep: float) -> list[Finding]:
+        def change(data: dict[str, Any]) -> None:
+            band = {"a": [-60, 0], "b": [60, 0], "c": [60, 60], "d": [-60, 60], "m": [0, 60]}
+            names = (("low", "a", "b"), ("right", "b", "c"), ("top_right", "c", "m"), ("top_left", "m", "d"), ("left", "d", "a"))
+            edges = [{"name": name, "from": a, "to": b} for name, a, b in names]
+            place = {"transform": {"translation": [0, 400, -150], "rotation": [0, 180, 0]}}
+            data["panels"] = {"band": {"points": band, "edges": edges, "placement": place}}
+            data["seams"] = []
+            for name, side, partner in (("right", 1, partners[0]), ("left", -1, partners[1])):
+                at = {"l": 75, "r": -75}[partner]  # x of the wearer's left and right shoulder
+                outline = {"p": [at - 20, 0], "q": [at + 20, 0], "r": [at + 20, 300], "s": [at - 20, 300]}
+                drawn = [{"name": key, "from": key[0], "to": key[1]} for key in ("pq", "qr", "rs", "sp")]
+                lies = {"transform": {"translation": [0, 400 + deep, 0], "rotation": [-90, 0, 0]}}
+                data["panels"][partner] = {"points": outline, "edges": drawn, "placement": lies}
+                ends = ["c", "m"] if side > 0 else ["m", "d"]
+                data["seams"].append({"name": name, "a": [f"band.top_{name}.{end}" for end in ends], "b": [f"{partner}.pq.p", f"{partner}.pq.q"], "ease": 0.5})
+
+        return [finding for finding in findings(change) if finding.code == "seams-cross-over"]
+
+    assert crossed(("r", "l"), 400.0) == []  # seen from behind the band's right end is at the wearer's right
+    assert crossed(("l", "r"), 400.0) == []
+    assert len(crossed(("l", "r"), 60.0)) == 1, "so near it is a strap too far"
+
+
 def test_straps_that_cross_are_no_panel_on_its_face() -> None:
     """From a band in front they slant to either side, one before the other: where they begin they lie 45 mm apart, and their middles the other way."""
 

@@ -222,6 +222,12 @@ def test_thin_enough_for_a_finer_grid() -> None:
     assert findings(lambda data: data["panels"].update(strip=strip), grid_mm=7.5) == []
 
 
+def test_as_wide_as_two_grids_is_wide_enough() -> None:
+    """The largest circle is found a hair too small."""
+    strip = square(points={"a": [0, 0], "b": [300, 0], "c": [300, 20], "d": [0, 20]}, notches=[])
+    assert findings(lambda data: data["panels"].update(strip=strip), grid_mm=10.0) == []
+
+
 def test_too_thin_for_any_grid() -> None:
     """The finest grid is 2 mm; one of 0.5 was advised."""
     strip = square(points={"a": [0, 0], "b": [300, 0], "c": [300, 2], "d": [0, 2]}, notches=[])

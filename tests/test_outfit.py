@@ -77,7 +77,8 @@ def test_worn_over_each_other(folder: Path, monkeypatch: pytest.MonkeyPatch) -> 
         np.unique(cloth.vertex_particle[np.isin(cloth.vertex_panel, [k for k, panel in enumerate(cloth.panel_names) if panel.startswith(name)])])
         for name in ("band", "belt")
     ]
-    assert [np.unique(cloth.particle_layer[chosen]).tolist() for chosen in worn] == [[0], [1]]  # pictures color them apart
+    of_triangles = [np.unique(cloth.triangle_layer[np.isin(cloth.particle_triangles, chosen).any(axis=1)]) for chosen in worn]
+    assert [layers.tolist() for layers in of_triangles] == [[0], [1]]  # pictures color them apart
     # seen from the axis of the waist the belt lies behind the band, wherever both are
     band = positions[cloth.particle_triangles[np.isin(cloth.particle_triangles, worn[0]).all(axis=1)]]
     axis = positions[worn[0]].mean(axis=0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -50,6 +51,18 @@ def test_picture_shows_the_garment_on_the_body(tmp_path: Path) -> None:
     width = columns.max() - columns.min()
     bright = pixels[150, columns.min() + width // 6].sum(), pixels[150, columns.max() - width // 6].sum()
     assert bright[0] > bright[1]
+
+
+def test_layers_keep_their_colors_up_to_the_seam_that_joins_them(tmp_path: Path) -> None:
+    """Two panels of 20 mm cells, some 30 pixels wide here, of which one is an outer layer: between their colors lies the line of the seam, and no cell."""
+    image = pytest.importorskip("PIL.Image")
+    cloth, positions = dress()
+    cloth = replace(cloth, panel_layer=np.array([0, 1], dtype=np.int32))
+    pixels = np.asarray(image.open(render_picture(tmp_path / "front.png", positions, cloth, None, height_px=600))).astype(int)
+    for row in pixels[280:320, :, 0] - pixels[280:320, :, 2]:  # red over blue
+        outer, inner = np.flatnonzero(row < -35), np.flatnonzero(row > 60)
+        assert min(len(outer), len(inner)) > 100
+        assert 0 < inner.min() - outer.max() < 5
 
 
 def test_wrong_side_is_lit_from_the_same_lamp(tmp_path: Path) -> None:

@@ -116,3 +116,27 @@ def test_open_edges_with_a_role_or_an_open_twin_are_meant() -> None:
     for panel in ("front", "back_right"):
         next(edge for edge in data["panels"][panel]["edges"] if edge["name"] == "shoulder")["role"] = "neck"
     assert found(data) == []
+
+
+@pytest.mark.parametrize(("role", "told"), [(None, True), ("armhole", True), ("neck", False), ("hem", False)])
+def test_two_edges_that_end_together_are_open_by_their_role_alone(role: str | None, told: bool) -> None:
+    """A hood of two halves on a band that closes in front: its face is open. An armhole's role stands on sleeves, which are sewn, as well."""
+    outline = {"a": [0, 0], "b": [240, 0], "c": [240, 340], "d": [0, 340]}
+    edges = [{"name": name, "from": a, "to": b} for name, a, b in (("neck", "a", "b"), ("back", "b", "c"), ("top", "c", "d"), ("face", "d", "a"))]
+    edges[3] |= {} if role is None else {"role": role}
+    ring = {"p": [0, 0], "q": [480, 0], "r": [480, 60], "m": [240, 60], "s": [0, 60]}
+    around = [{"name": f"{a}{b}", "from": a, "to": b} for a, b in ("pq", "qr", "rm", "ms", "sp")]
+    around[0] |= {"role": "hem"}
+    panels = {
+        "left": {"points": outline, "edges": edges, "placement": {"transform": {"translation": [150, 1500, 0], "rotation": [0, 90, 0]}}},
+        "right": {"mirrored_from": "left", "placement": {"transform": {"translation": [-150, 1500, 0], "rotation": [0, -90, 0]}}},
+        "band": {"points": ring, "edges": around, "placement": {"transform": {"translation": [-240, 1400, -200], "rotation": [0, 180, 0]}}},
+    }
+    pairs = {
+        "back": (["left.back.b", "left.top.d"], ["right.back.b", "right.top.d"]), "ends": (["band.qr.q", "band.qr.r"], ["band.sp.p", "band.sp.s"]),
+        "neck_left": (["left.neck.a", "left.neck.b"], ["band.rm.r", "band.rm.m"]),
+        "neck_right": (["right.neck.a", "right.neck.b"], ["band.ms.s", "band.ms.m"]),
+    }  # fmt: skip
+    seams = [{"name": name, "a": a, "b": b} for name, (a, b) in pairs.items()]
+    data = {"name": "hood", "fabric": "wool-suiting", "mannequin": "woman-88", "panels": panels, "seams": seams}
+    assert [finding.code for finding in found(data)] == ["edges-unsewn"] * told

@@ -10,6 +10,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from garmentcad import __version__
 from garmentcad.simulation.job import Job, make_job
 from garmentcad.simulation.run import run
@@ -48,7 +50,8 @@ def dressed(case: StudyCase) -> Mapping[str, Any]:
     outcome = run(job, lambda progress: None)
     cloth, positions = outcome.cloth, outcome.state.positions
     triangles, body = cloth.particle_triangles, (job.mannequin.vertices, job.mannequin.faces)
-    layer = cloth.particle_layer
+    layer = np.zeros(cloth.particle_count, dtype=np.int32)
+    np.maximum.at(layer, triangles, cloth.triangle_layer[:, None])
     out_of_order = 0
     for inner in range(int(layer.max())):
         outer = triangles[(layer[triangles] > inner).all(axis=1)]

@@ -16,6 +16,7 @@ from garmentcad.pattern.pattern import Edge, Panel
 _SHORT_MM = 1.0
 _ZERO_MM = 0.01
 _TOLERANCE_MM = 0.05  # of the polylines that stand for curves
+_CIRCLE_MM = 0.1  # by which the largest circle in an outline may be found too small
 _OUTSIDE_MM2 = 1.0
 _OUTSIDE_MM = 0.5
 
@@ -87,8 +88,8 @@ def _check_size(polygon: shapely.Polygon, grid_mm: float, file: str | None, key:
     """A lattice needs a row of cells: at least two spacings across, and one at the very least."""
     if polygon.area > grid_mm * polygon.length:
         return  # a circle of radius area / length goes into any outline (Bonnesen); to find the largest one takes as long as all other checks of a panel
-    width = 2.0 * shapely.maximum_inscribed_circle(polygon, tolerance=0.1).length
-    if width < 2.0 * grid_mm:
+    width = 2.0 * shapely.maximum_inscribed_circle(polygon, tolerance=_CIRCLE_MM).length
+    if width < 2.0 * (grid_mm - _CIRCLE_MM):
         finest = np.floor(width) / 2
         yield Finding(
             "error" if width < grid_mm else "warning", "panel-too-small", file, key,

@@ -22,6 +22,7 @@ from garmentcad.units import M_TO_MM, MM_TO_M
 _FAR_M = 1.0  # panels of GarmentCode start up to half a metre away
 _CROSSED = -0.8  # cosine between ways that go against each other: from one seam to the other along both of their sides, and along both sides of one seam
 _APART_M = 0.050  # seams nearer to each other say nothing
+_MEANT = 1.1  # seams that cross over and are no longer for it than this are meant to, as straps that cross behind the back
 _STRAIGHT = 0.7  # of the length of a side, between its ends
 
 
@@ -172,12 +173,15 @@ def check_crossed(pattern: Pattern, cloth: Cloth, positions: np.ndarray, file: s
             continue
         (partner, a), (other, b) = (next((name, place) for name, place in sides.items() if name != shared) for sides in (first, second))
         along, across = second[shared] - first[shared], b - a
-        if np.linalg.norm(across) <= _APART_M and over.issuperset((one, two)):
+        meet = np.linalg.norm(across) <= _APART_M
+        if meet and over.issuperset((one, two)):
             across = panel_middles[other] - panel_middles[partner]
         lengths = float(np.linalg.norm(along)), float(np.linalg.norm(across))
         if min(lengths) > _APART_M and along @ across < _CROSSED * lengths[0] * lengths[1]:
             given = np.linalg.norm(first[shared] - a), np.linalg.norm(second[shared] - b)
             swapped = np.linalg.norm(first[shared] - b), np.linalg.norm(second[shared] - a)
+            if not meet and sum(given) < _MEANT * sum(swapped):
+                continue
             yield Finding(
                 "warning", "seams-cross-over", file, f"seams.{one}",
                 f"as placed, seams {one} and {two} cross over: they join {shared} to {' and '.join(dict.fromkeys((partner, other)))} over "

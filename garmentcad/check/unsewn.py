@@ -29,19 +29,25 @@ _STRAIGHT = np.radians(20.0)  # an edge that goes on in the line of what is sewn
 
 class _Run(NamedTuple):
     """Edges of a panel from one point on that are sewn to nothing, as they follow one another. edges: PANEL.EDGE of each; start, end: particles of the sewn
-    cloth; goes_on: whether the outline goes straight on at the start; length: mm; has_role: whether one of them has."""
+    cloth; goes_on: whether the outline goes straight on at the start; length: mm; roles: of all of them."""
 
     edges: tuple[str, ...]
     start: int
     end: int
     goes_on: bool
     length: float
-    has_role: bool
+    roles: frozenset[str | None]
+
+    @property
+    def has_role(self) -> bool:
+        """Whether one of the edges has a role."""
+        return self.roles != {None}
 
 
 def check_unsewn(pattern: Pattern, sewn: Cloth, file: str | None = None) -> Iterator[Finding]:
     """Pairs of runs of edges that begin at one point of the sewn cloth, with as much cloth around it as if they lay together, and not both in the line of what
-    is sewn. They end together as well, or are as long as each other and have no role. Of hems and cuffs nothing is said. Then what only its twin is sewn."""
+    is sewn. They end together as well, or are as long as each other and have no role. Of hems and cuffs nothing is said, nor of two edges of a neck opening.
+    Then what only its twin is sewn."""
     angle = _angles(sewn)
     around = np.bincount(sewn.vertex_particle, angle, sewn.particle_count)
     starts: defaultdict[int, list[list[_Run]]] = defaultdict(list)
@@ -63,7 +69,7 @@ def check_unsewn(pattern: Pattern, sewn: Cloth, file: str | None = None) -> Iter
             yield Finding(
                 "warning", "edges-unsewn", file, f"panels.{one.edges[0].replace('.', '.edges.', 1)}",
                 f"{sides[0]} ({one.length:.0f} mm) and {sides[1]} ({two.length:.0f} mm) lie together from where a seam ends, and are sewn to nothing",
-                "Sew them together; edges that are meant to be open have a role (hem, neck, armhole, ...).",
+                "Sew them together; edges that are meant to be open have the role hem, cuff or neck.",
             )  # fmt: skip
     yield from _check_twins(pattern, told, file)
 
@@ -104,7 +110,9 @@ def _match(one: _Run, two: _Run) -> bool:
     longer, shorter = max(one.length, two.length), min(one.length, two.length)
     together = one.end == two.end
     allowed = _EASED_SHARE * longer if together else max(_ALIKE_MM, _ALIKE_SHARE * longer)
-    return longer - shorter <= allowed and not set(one.edges) & set(two.edges) and (together or not (one.has_role or two.has_role))
+    # The two sides of the opening of a hood end together, too. Other roles stand on edges that are sewn.
+    open_by_role = one.roles | two.roles == {"neck"} if together else one.has_role or two.has_role
+    return longer - shorter <= allowed and not set(one.edges) & set(two.edges) and not open_by_role
 
 
 def check_apart(pattern: Pattern, sewn: Cloth, loose: np.ndarray, file: str | None = None) -> Iterator[Finding]:
@@ -158,8 +166,8 @@ def _open_runs(pattern: Pattern, sewn: Cloth, angle: np.ndarray, around: np.ndar
                 passed.append(edge % len(edges))
                 corner = (corner + way) % len(edges)
                 names = tuple(dict.fromkeys(f"{panel.name}.{edges[k].name}" for k in passed))
-                length, has_role = sum(edges[k].curve.length for k in passed), any(edges[k].role is not None for k in passed)
-                runs.append(_Run(names, at[first], at[corner], goes_on, length, has_role))
+                length, roles = sum(edges[k].curve.length for k in passed), frozenset(edges[k].role for k in passed)
+                runs.append(_Run(names, at[first], at[corner], goes_on, length, roles))
                 if panels_at[at[corner]] > 1 or abs(around[at[corner]] - np.pi) > _TURNED:
                     break
                 corner = next((k for k in range(len(edges)) if k != corner and at[k] == at[corner]), corner)  # the other side of a dart's mouth

@@ -138,12 +138,9 @@ class Cloth:
         return self.vertex_particle[self.triangles]
 
     @property
-    def particle_layer(self) -> np.ndarray:
-        """(P,) int32 the outermost layer of the panels that a particle belongs to."""
-        found = np.zeros(self.particle_count, dtype=np.int32)
-        if len(self.panel_layer):
-            np.maximum.at(found, self.vertex_particle, self.panel_layer[self.vertex_panel])
-        return found
+    def triangle_layer(self) -> np.ndarray:
+        """(F,) int32 the layer of the panel of each triangle."""
+        return self.panel_layer[self.vertex_panel[self.triangles[:, 0]]] if len(self.panel_layer) else np.zeros(len(self.triangles), dtype=np.int32)
 
     @property
     def particle_count(self) -> int:

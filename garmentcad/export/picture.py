@@ -157,7 +157,10 @@ def _scene(positions: np.ndarray, cloth: SewnTriangles, mannequin: Mannequin | N
     particle, triangles = split_at_creases(positions, cloth.particle_triangles)
     points = positions[particle]
     normals = particle_normals(points, triangles)
-    layers = np.array(RIGHT_SIDES)[cloth.particle_layer[particle] % len(RIGHT_SIDES)]
+    # Where two layers are sewn together each has its own color up to the seam.
+    (row, layer), corner = np.unique(np.stack([triangles.ravel(), np.repeat(cloth.triangle_layer, 3)]), axis=1, return_inverse=True)
+    particle, points, normals, triangles = particle[row], points[row], normals[row], corner.reshape(-1, 3)
+    layers = np.array(RIGHT_SIDES)[layer % len(RIGHT_SIDES)]
     right, wrong = (layers, WRONG_SIDE * layers) if painted_map is None else (painted_map.colors()[particle],) * 2
     look = CLOTH_LOOK if painted_map is None else MAP_LOOK
     if mannequin is None:

@@ -19,7 +19,7 @@ class SewnTriangles(Protocol):
     @property
     def particle_triangles(self) -> np.ndarray: ...  # (F,3)
     @property
-    def particle_layer(self) -> np.ndarray: ...  # (P,)
+    def triangle_layer(self) -> np.ndarray: ...  # (F,)
 
 
 def seam_and_free_edges(cloth: SewnTriangles) -> tuple[np.ndarray, np.ndarray]:

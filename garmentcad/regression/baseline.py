@@ -90,9 +90,9 @@ class Shape:
         return self.vertex_particle[self.triangles]
 
     @property
-    def particle_layer(self) -> np.ndarray:
-        """(P,) zeros: it is only drawn under a map."""
-        return np.zeros(len(self.positions), dtype=np.int32)
+    def triangle_layer(self) -> np.ndarray:
+        """(F,) zeros: it is only drawn under a map."""
+        return np.zeros(len(self.triangles), dtype=np.int32)
 
 
 def factor(lays: int, more: int = 1, confidence: float = CONFIDENCE) -> float:
