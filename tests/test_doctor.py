@@ -224,7 +224,7 @@ def test_thin_enough_for_a_finer_grid() -> None:
 
 def test_as_wide_as_two_grids_is_wide_enough() -> None:
     """The largest circle is found a hair too small."""
-    strip = square(points={"a": [0, 0], "b": [300, 0], "c": [300, 20], "d": [0, 20]}, notches=[])
+    strip = square(points={"a": [0, 0], "b": [20, 0], "c": [20, 300], "d": [0, 300]}, notches=[])
     assert findings(lambda data: data["panels"].update(strip=strip), grid_mm=10.0) == []
 
 
