@@ -31,9 +31,9 @@ from garmentcad.pattern.pattern import Panel, PanelPoint, Pattern, Pin
 from garmentcad.units import M_TO_MM, MM_TO_M
 
 SHANK_M = 1e-3  # thread of a button beyond the thickness of the cloth that it goes through; an estimate
-# Beside a shank and at its end: 2 N move the hole by a tenth of a millimetre. Thread is many times stiffer (a dozen strands of some 100 N per unit of
+# Beside a shank and at its end: 3 N move the hole by a tenth of a millimetre. Thread is many times stiffer (a dozen strands of some 100 N per unit of
 # strain); an explicit step could not follow it. Damped at its own frequency as cloth is at its highest.
-SHANK_N_M = 2e4
+SHANK_N_M = 3e4
 _AROUND = 3  # body vertices next to a point, as many as a face has
 _INSIDE_MM = 0.1
 
