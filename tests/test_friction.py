@@ -18,7 +18,8 @@ from garmentcad.fabric.material import MaterialTable
 from garmentcad.forces.assembly import ForceAssembly
 from garmentcad.forces.gravity import ForceGravity
 from garmentcad.forces.internal import internal_forces
-from garmentcad.solve.dynamics import Dynamics
+from garmentcad.simulation.course import UNCUT_M_S
+from garmentcad.solve.dynamics import RUNAWAY_M_S, DivergedError, Dynamics
 from garmentcad.solve.strain_limit import strain_limit
 from garmentcad.units import GRAVITY_M_S2
 
@@ -97,6 +98,26 @@ def test_friction_holds_no_more_where_speeds_are_capped(offset: float) -> None:
         assert np.abs(way).max() < 1e-9
     else:
         assert way == pytest.approx(cap * state.time_s, rel=0.05)
+
+
+@pytest.mark.parametrize("cap", [UNCUT_M_S, math.inf])
+def test_what_presses_on_a_body_is_no_run_that_diverges_where_speeds_are_capped(cap: float) -> None:
+    """A load that would lead to more in one step than a run may reach, as that of a taut elastic."""
+    materials = fabric(60.0)
+    cloth = rectangle_cloth(60.0, 30.0, 10.0, 0.0, materials)
+    u, v = 1e-3 * cloth.vertex_uv_mm.T
+    plate = trimesh.creation.box(extents=(0.5, 0.1, 0.5))
+    state = State(np.column_stack([u, np.full(len(u), 0.05 + GAP), -v]), np.zeros((len(u), 3)))
+    dynamics = moved(cloth, materials, 1e5 * cloth.masses, (plate.vertices, plate.faces))
+    dynamics.speed_cap_m_s, start = cap, state.positions.copy()
+    dynamics.start(state)
+    assert 1e5 * GRAVITY_M_S2 * state.time_step_s > RUNAWAY_M_S
+    if cap == math.inf:
+        with pytest.raises(DivergedError):
+            dynamics.advance(state, 20)
+    else:
+        dynamics.advance(state, 20)
+        assert state.positions == pytest.approx(start, abs=1e-5)
 
 
 @pytest.mark.parametrize(("offset", "sticks"), [(-OFFSET_DEG, True), (OFFSET_DEG, False)])
