@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from hand_made import rectangles, tube
 from scipy import ndimage
+from scipy.signal import find_peaks
 
 from garmentcad.analysis.hem_shape import RAYS, HemShape, hem_shape, node_count, rim
 
@@ -49,6 +50,21 @@ def test_a_ripple_on_a_fold_is_one_node_and_two_only_where_it_stands_out() -> No
     for turn in (1, 100, 359):  # wherever the curve is opened
         assert node_count(np.roll(split, turn)) == 3
     assert node_count(np.full(RAYS, 0.2)) == 0
+
+
+def test_nodes_are_the_peaks_that_scipy_finds() -> None:
+    """On random walks that end where they began."""
+    random = np.random.default_rng(3)
+    counts = []
+    for _ in range(300):
+        walk = np.cumsum(random.normal(0.0, 1.5e-3, RAYS))
+        radius = 0.2 + walk - np.linspace(0.0, walk[-1], RAYS)
+        turned = np.roll(radius, -int(radius.argmin()))
+        counts.append(len(find_peaks(np.append(turned, turned[0]), prominence=5e-3)[0]))
+        assert node_count(radius, prominence_m=5e-3) == counts[-1]
+    assert max(counts) > 2 * min(counts) > 0
+    # Two maxima of one height with a dent between them that is no fold are one node.
+    assert node_count(np.array([0.19, 0.21, 0.209, 0.21, 0.19, 0.2])) == 2
 
 
 def test_shadow_of_a_hem_that_crosses_itself() -> None:

@@ -123,7 +123,8 @@ class Contact:
         self._cloth_friction, self._body_friction = (compact(largest_around(cloth, values)) for values in (materials.friction_cloth, materials.friction_body))
         self._elements = ClothElements(cloth, float(self._cloth_gap.max(initial=LEAST_GAP)))
         self._body, self._itself = None if body is None else BodyElements(*body, cloth.spacing, _longest_side(cloth)), itself
-        self._spacing = cloth.spacing
+        # m; `covered` is the longest way that a look covers, unless a single step may go farther.
+        self._spacing, self.covered = cloth.spacing, _COVERED_FAST * cloth.spacing
         if self._body is None:
             self._surface = Surface(np.zeros((0, 3)), frozen(np.zeros((0, 3), np.int32)), np.zeros((0, 7, 3)))
             self._tree, rise = Tree(np.zeros(0, np.int32), np.zeros((2, 6))), np.zeros(0)
@@ -211,10 +212,6 @@ class Contact:
             self.load(state)
             carry(self._planes(state), self._surface.faces, self.positions, self.velocities, 1.0)
 
-    def fastest(self, state: State) -> float:
-        """Largest speed of a particle or of the body, m/s."""
-        return max(float(np.sqrt((state.velocities**2).sum(axis=1).max())), float(state.contact["body_pace"][2]))
-
     def detect(self, state: State, reserve_m: float) -> bool:
         """Look for candidates again where the longest way since the last look plus `reserve_m`, the most that a node goes in the coming step, exceeds what
         that look covers. True if it did."""
@@ -262,7 +259,7 @@ class Contact:
     def _find_pairs(self, state: State, reserve_m: float) -> None:
         gap = float(self._cloth_gap.max(initial=LEAST_GAP))
         least = max(_COVERED_LEAST * self._spacing, 0.5 * (_ACROSS * self._spacing - gap))
-        covered = max(least, min(_STEPS * reserve_m, _COVERED_FAST * self._spacing), 1.01 * SURGE * reserve_m)
+        covered = max(least, min(_STEPS * reserve_m, self.covered), 1.01 * SURGE * reserve_m)
         self._store(state, self.near(state, covered), covered)
 
     def touching(self, state: State) -> np.ndarray:

@@ -17,7 +17,7 @@ from typing import Annotated
 
 import numpy as np
 from pydantic import Field
-from scipy.stats import t as student
+from scipy.special import stdtrit  # of scipy.stats, which takes half a second to import
 
 from garmentcad.errors import FileError, SpecError
 from garmentcad.io.atomic import write_atomic
@@ -97,7 +97,7 @@ class Shape:
 
 def factor(lays: int, more: int = 1, confidence: float = CONFIDENCE) -> float:
     """Standard deviations within which the mean of that many more lays lies with that probability."""
-    return float(student.ppf(0.5 * (1.0 + confidence), lays - 1)) * math.sqrt(1.0 / more + 1.0 / lays)
+    return float(stdtrit(lays - 1, 0.5 * (1.0 + confidence))) * math.sqrt(1.0 / more + 1.0 / lays)
 
 
 def figure(values: Sequence[float | int], more: int = 1) -> Figure:

@@ -108,7 +108,7 @@ class Dynamics:
         self._deal, self._no_deal = (self._parts.deal(np.full(len(self._parts.kind), chosen)) for chosen in (True, False))
         self._expect_stiff(np.zeros(cloth.particle_count, dtype=bool), 1)
         self._stiffness = np.zeros(cloth.particle_count)
-        self._clock, self._out = np.zeros(5), np.zeros((CHUNKS, 2))
+        self._clock, self._out = np.zeros(6), np.zeros((CHUNKS, 2))
         self._masses = floats(cloth.masses)
         # Shanks are damped far more than cloth, and no frequency shows it: whether longer steps bear that is not known.
         self._on_shanks = np.zeros(cloth.particle_count, dtype=bool)
@@ -330,7 +330,7 @@ class Dynamics:
     def _stretch(self, state: State, steps: int, hold: bool = False) -> None:
         contact, count, dt = self.contact, self.cloth.particle_count, state.time_step_s
         self._drag[:] = self.drag
-        controls = Controls(dt, self._drag, self.across, self.speed_cap_m_s, RUNAWAY_M_S, SURGE, self._out)
+        controls = Controls(dt, self._drag, self.across, self.speed_cap_m_s, RUNAWAY_M_S, SURGE, contact.covered, self._out)
         lost = np.zeros(BINS)
         forces = law_arguments(self._parts.first, self.forces.forces), acting(self._deal, state.friction, lost)
         sums = self.forces.sums(self._masses)
@@ -367,7 +367,7 @@ class Dynamics:
                 raise DivergedError(self.cloth, ends, f"came apart: a link is over {TORN_LENGTH:g} times as long as its strain limit allows", state)
             resumed = code == LOOK
             if code == LOOK:
-                contact.detect(state, contact.fastest(state) * dt)
+                contact.detect(state, float(self._clock[5]) * dt)
                 self.seconds["detection"] += time.perf_counter() - t1
             if code == DONE and hold:
                 return

@@ -42,6 +42,7 @@ class Controls(NamedTuple):
     speed_cap: float  # m/s, forces make no particle faster, but press it on the body where it lies there
     runaway: float  # m/s
     surge: float  # of the fastest speed before a response, up to which contact counts on it
+    covered: float  # m, the longest way that a look for candidates covers of itself
     out: np.ndarray  # (CHUNKS,2) what each part of the work reports; given, because a kernel that makes arrays counts all others, and compiles twice as long
 
 
@@ -81,6 +82,23 @@ def _accelerate_of(particles, forces, weights, time_step, inertia, velocities): 
 
 
 @kernel
+def _press_of(p, cap, time_step, planes, pressed, positions, velocities):  # type: ignore[no-untyped-def]
+    """The way in which particle p presses on the body, or on what keeps it off the body: a unit normal, the speed along it, not positive, and the room [m]."""
+    (a, b, c), into, room = (0.0, 0.0, 0.0), 0.0, 0.0
+    if planes.held[p] > 0:
+        (a, b, c), room = rooms(planes, p, 0, row(positions, p))
+        if pressed[p] > 0 or room <= CLOSED + cap * time_step:
+            x, y, z = row(velocities, p)
+            into = min(0.0, a * x + b * y + c * z)
+    elif pressed[p] == BY_BODY:
+        # Edges or vertices of the body hold it, along normals that only their pairs know.
+        x, y, z = row(velocities, p)
+        into = -math.sqrt(x * x + y * y + z * z)
+        a, b, c = x / into, y / into, z / into
+    return (a, b, c), into, room
+
+
+@kernel
 def _cap_of(particles, cap, time_step, planes, friction, pressed, positions, velocities):  # type: ignore[no-untyped-def]
     """Where forces would make a particle faster than `cap` it becomes no faster. Returns the largest squared speed, m2/s2."""
     largest = 0.0
@@ -88,19 +106,11 @@ def _cap_of(particles, cap, time_step, planes, friction, pressed, positions, vel
         x, y, z = row(velocities, p)
         square = x * x + y * y + z * z
         if square > cap * cap:
-            # What presses on the body, or on what keeps it off the body, is not cut: it may be many times the weight, contact takes it, and it holds what
-            # pulls beside it in balance. It is no speed either: contact leaves at most the cap of it.
-            (a, b, c), into, most = (0.0, 0.0, 0.0), 0.0, cap
-            if planes.held[p] > 0:
-                (a, b, c), room = rooms(planes, p, 0, row(positions, p))
-                if pressed[p] > 0 or room <= CLOSED + cap * time_step:
-                    into = min(0.0, a * x + b * y + c * z)
-                    # Nor is what friction will take: against a pull cut to the cap it would hold what it cannot hold.
-                    most += friction[p] * max(0.0, -into - room / time_step)
-            elif pressed[p] == BY_BODY:
-                # Edges or vertices of the body hold it, along normals that only their pairs know.
-                into = -math.sqrt(square)
-                a, b, c = x / into, y / into, z / into
+            # What presses on the body is not cut: it may be many times the weight, contact takes it, and it holds what pulls beside it in balance. It is no
+            # speed either: contact leaves at most the cap of it.
+            (a, b, c), into, room = _press_of(p, cap, time_step, planes, pressed, positions, velocities)
+            # Nor is what friction will take: against a pull cut to the cap it would hold what it cannot hold.
+            most = cap + friction[p] * max(0.0, -into - room / time_step)
             x, y, z = x - into * a, y - into * b, z - into * c
             square = x * x + y * y + z * z
             share = most / math.sqrt(square) if square > most * most else 1.0
@@ -109,6 +119,24 @@ def _cap_of(particles, cap, time_step, planes, friction, pressed, positions, vel
         # not a number stays one: the comparison is false
         largest = max(largest, square) if square == square else math.inf
     return largest
+
+
+@kernel
+def _fastest_to_come(controls, planes, pressed, positions, velocities):  # type: ignore[no-untyped-def]
+    """Largest speed of rows (N,3), m/s. Where a step of it would go farther than a look for candidates covers, of what presses on the body only as much as
+    contact will leave of it: an elastic that lies on the body presses at 8 m/s and stays where it is."""
+    fastest, count = fastest_of(velocities), len(planes.held)
+    if not controls.covered < controls.surge * (fastest * controls.time_step) < math.inf:
+        return fastest
+    square = 0.0
+    for n in range(len(velocities)):
+        x, y, z = row(velocities, n)
+        if n < count:
+            (a, b, c), into, room = _press_of(n, math.inf, controls.time_step, planes, pressed, positions, velocities)
+            stopped = min(0.0, into + max(0.0, room) / controls.time_step)
+            x, y, z = x - stopped * a, y - stopped * b, z - stopped * c
+        square = max(square, x * x + y * y + z * z)
+    return math.sqrt(square)
 
 
 @kernel
@@ -178,12 +206,12 @@ def run_steps(order, controls, forces, stiff, sums, bonds, limit, contact, clock
 
     forces: `law_arguments` and the `Acting` of the step; stiff: `StiffParts`, whose particles are none where nothing is; bonds: constraint rows with their
     demanded speeds (see constraints/points.py); contact: arguments of the response, motion of all nodes, home and cover of the candidates, leg of the body and
-    seconds since its beginning. clock (5,): out: steps done, friction work J, largest mean square speed, pair that cut the last step (-1: only speeds that the
-    response raised) or link that is too long, safe part of the step.
+    seconds since its beginning. clock (6,): out: steps done, friction work J, largest mean square speed, pair that cut the last step (-1: only speeds that the
+    response raised) or link that is too long, safe part of the step, speed of the step for which contact must look; that in again where it begins there.
 
     Returns why it ended.
     """
-    (steps, resumed, hold), (laws, acting) = order, forces
+    (steps, resumed, hold), (laws, acting), asked = order, forces, clock[5]
     rules, (positions, velocities, inverse_masses), (home, covered), (leg, since) = contact
     pace, moves = rules[7], len(leg.first) > 0
     dt, count, out = controls.time_step, len(sums.weight), controls.out
@@ -215,7 +243,7 @@ def run_steps(order, controls, forces, stiff, sums, bonds, limit, contact, clock
                 return RUNAWAY
             if len(bonds.wanted) > 0:
                 apply_bonds(bonds, positions, dt, velocities)
-                fastest = fastest_of(velocities)
+                fastest = _fastest_to_come(controls, rules[4], rules[6].pressed, positions, velocities)
             if len(limit.longest) > 0 and headroom < 2.0 * fastest * dt:
                 # No link gains more than twice the way of the fastest particle; until that reaches the headroom none can be too long.
                 headroom, nearest = least_headroom(positions, limit)
@@ -224,9 +252,9 @@ def run_steps(order, controls, forces, stiff, sums, bonds, limit, contact, clock
                     return TORN
                 if headroom < 2.0 * fastest * dt:
                     pull_back(positions, limit, inverse_masses, dt, velocities)
-                    fastest = fastest_of(velocities)
+                    fastest = _fastest_to_come(controls, rules[4], rules[6].pressed, positions, velocities)
         else:
-            fastest = fastest_of(velocities)
+            fastest = asked
         if not fastest < np.inf:
             return RUNAWAY  # no look would cover that way
         fastest = max(fastest, pace[2])
@@ -234,6 +262,7 @@ def run_steps(order, controls, forces, stiff, sums, bonds, limit, contact, clock
         if way + controls.surge * (fastest * dt) > covered[0]:
             way = farthest(positions, home)
             if way + controls.surge * (fastest * dt) > covered[0]:
+                clock[5] = max(_fastest_to_come(controls, rules[4], rules[6].pressed, positions, velocities), pace[2])
                 return LOOK
         part, worst, work, fastest = respond(rules, motion, way, covered[0], fastest)
         clock[1] += work
