@@ -175,6 +175,9 @@ class Line(Curve):
     def parameters_at(self, fractions: Any) -> np.ndarray:
         return np.clip(np.atleast_1d(floats(fractions)), 0.0, 1.0)
 
+    def polyline(self, tolerance_mm: float = 0.1) -> np.ndarray:
+        return np.array([self.start, self.end])
+
     def part(self, t_a: float, t_b: float, start: Point, end: Point) -> Line:
         return Line(start, end)
 
