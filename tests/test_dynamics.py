@@ -106,7 +106,7 @@ def test_only_cuts_in_a_row_end_a_run(monkeypatch: pytest.MonkeyPatch, between: 
     dynamics.start(state)
 
     def steps(order, controls, forces, stiff, sums, bonds, limit, contact, clock):  # type: ignore[no-untyped-def]
-        clock[:] = min(order[0], between + 1), 0.0, 0.0, -1.0, 0.5
+        clock[:] = min(order[0], between + 1), 0.0, 0.0, -1.0, 0.5, 0.0
         return CUT if order[0] > between else DONE
 
     monkeypatch.setattr("garmentcad.solve.dynamics.run_steps", steps)
@@ -412,7 +412,7 @@ def test_cut_steps_in_a_row_are_counted_in_the_state(monkeypatch: pytest.MonkeyP
 
     def cut(*arguments: Any) -> int:
         clock = arguments[-1]
-        clock[:] = [1.0, 0.0, 0.0, -1.0, 0.5]
+        clock[:] = [1.0, 0.0, 0.0, -1.0, 0.5, 0.0]
         return CUT
 
     def fresh() -> Dynamics:

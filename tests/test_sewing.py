@@ -162,15 +162,29 @@ def test_seams_of_a_higher_order_wait_until_those_before_them_are_closed() -> No
     assert early[~waiting].max() < 2e-4
 
 
-@pytest.mark.parametrize(("all_or_none", "turns"), [(False, {1.0, 2.0}), (True, {1.0})])
-def test_after_a_seam_that_stays_open_the_next_turn_comes_unless_all_must_close(monkeypatch: pytest.MonkeyPatch, all_or_none: bool, turns: set[float]) -> None:
-    """With next to no pull none close."""
+@pytest.mark.parametrize(("give_up_mm", "turns"), [(20.0, {1.0, 2.0}), (5.0, {1.0})])
+def test_after_a_seam_that_stays_open_the_next_turn_comes_unless_it_is_too_wide(monkeypatch: pytest.MonkeyPatch, give_up_mm: float, turns: set[float]) -> None:
+    """With next to no pull none close: they stand open by 10 mm."""
     monkeypatch.setattr(sewing, "CLOSING_CAP_S", 0.1)
     dynamics, state = three_squares()
     seen: set[float] = set()
-    welding = close_seams(dynamics, state, NO_HARDWARE, lambda progress: seen.add(state.run["sewing_order"]), 1e-9, all_or_none=all_or_none)
+    welding = close_seams(dynamics, state, NO_HARDWARE, lambda progress: seen.add(state.run["sewing_order"]), 1e-9, give_up_mm=give_up_mm)
     assert seen == turns
     assert "seam 'early' did not close" in welding.open_seams[-1]
+
+
+def test_sewing_ends_where_a_seam_opens_instead_of_closing() -> None:
+    """Squares that fly away from each other, by 83 mm each against the drag of sewing, with next to no pull between them."""
+    dynamics, state = three_squares()
+    cloth = dynamics.cloth
+    left, right = (cloth.vertex_particle[cloth.vertex_panel == panel] for panel in (0, 1))
+    state.velocities[left, 2], state.velocities[right, 2] = -1.0, 1.0
+    gaps: list[float] = []
+    welding = close_seams(dynamics, state, NO_HARDWARE, lambda progress: gaps.append(progress.gap_mm or 0.0), 1e-9, give_up_mm=1.0)
+    assert gaps[-1] - min(gaps) > 100.0 > gaps[-2] - min(gaps)
+    assert welding.widest_mm == pytest.approx(gaps[-1], rel=1e-12)
+    assert state.time_s < 0.5
+    assert state.run["sewing_least_m"] == pytest.approx(1e-3 * min(gaps), rel=1e-12), "a run that goes on from here measures from the same gap"
 
 
 def test_a_panel_that_waits_for_its_seam_is_not_knocked_about() -> None:

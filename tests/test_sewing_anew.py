@@ -20,31 +20,30 @@ from garmentcad.simulation.run import JITTER_M, SEWINGS
 from garmentcad.simulation.sewing import Welding, close_seams, weld_state
 from garmentcad.solve.dynamics import IntersectingError
 
-OPEN = Welding({"side_left": 3.9})
 ANEW = "placed once more"
 
 
 class Sewing:
-    """`close_seams` that fails `failures` times. starts: where cloth began (P,3) m; all_or_none: as it was
-    called; ends: states after a sewing that was real."""
+    """`close_seams` that fails `failures` times, with a seam `open_mm`. starts: where cloth began (P,3) m; give_up_mm: as it was called; ends: states after a
+    sewing that was real."""
 
-    def __init__(self, failures: int, stuck: bool = False) -> None:
-        self.failures, self.stuck = failures, stuck
+    def __init__(self, failures: int, stuck: bool = False, open_mm: float = 3.9) -> None:
+        self.failures, self.stuck, self.open = failures, stuck, Welding({"side_left": open_mm})
         self.starts: list[np.ndarray] = []
-        self.all_or_none: list[bool] = []
+        self.give_up_mm: list[float] = []
         self.ends: list[str] = []
 
     def __call__(self, dynamics: Any, state: State, *given: Any) -> Welding:
         self.starts.append(state.positions.copy())
-        self.all_or_none.append(given[-1])
+        self.give_up_mm.append(given[-1])
         if len(self.starts) > self.failures:
             welding = close_seams(dynamics, state, *given)
             self.ends.append(state.sha256())
             return welding
-        state.velocities[:] = np.inf  # whatever it leaves is of no use
+        state.velocities[:] = np.inf if len(self.starts) < SEWINGS or self.stuck else 0.0  # whatever it leaves is of no use but the last
         if self.stuck:
             raise IntersectingError(dynamics.cloth, np.array([0]), state)
-        return OPEN
+        return self.open
 
 
 def skirt(max_time_s: float = 2.2) -> Job:
@@ -60,7 +59,7 @@ def test_one_that_fails_is_placed_anew(monkeypatch: pytest.MonkeyPatch, stuck: b
     first, second = sewing.starts
     assert list(dict.fromkeys(phases)) == ["close anew", "fall"]
     assert 0.1 * JITTER_M < np.abs(second - first).max() < 20.0 * JITTER_M
-    assert sewing.all_or_none == [True, False], "the last one sews what it can"
+    assert sewing.give_up_mm == [1.0, 100.0], "the last one sews what it can"
     assert outcome.welding.open_seams == []
     assert outcome.state.phase == "fall"
     assert [warning for warning in outcome.warnings if "clos" in warning or "stuck" in warning] == [w for w in outcome.warnings if ANEW in w]
@@ -94,6 +93,19 @@ def test_what_fails_again_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     assert sum("contact is stuck" in warning for warning in outcome.warnings) == 1
 
 
+@pytest.mark.parametrize(("open_mm", "welded"), [(99.0, True), (101.0, False)])
+def test_what_stands_open_by_more_than_two_cells_is_not_welded(monkeypatch: pytest.MonkeyPatch, open_mm: float, welded: bool) -> None:
+    sewing = Sewing(SEWINGS, open_mm=open_mm)
+    monkeypatch.setattr(run, "close_seams", sewing)
+    outcome = run.run(skirt(0.5), lambda progress: None)
+    assert len(sewing.starts) == SEWINGS
+    assert (len(outcome.cloth.stitches) == 0) == welded
+    assert outcome.status == "max_time"
+    assert outcome.state.phase == ("fall" if welded else "close")
+    assert any("did not close: it stood" in warning for warning in outcome.warnings)
+    assert any("open by more than 100 mm are not welded" in warning for warning in outcome.warnings) != welded
+
+
 def test_what_is_stuck_tells_its_open_seams(monkeypatch: pytest.MonkeyPatch) -> None:
     """The widest stitch of each seam, as it stands where the run ended."""
     monkeypatch.setattr(run, "close_seams", Sewing(SEWINGS, stuck=True))
@@ -123,7 +135,7 @@ def test_the_second_one_is_resumed_as_the_second(monkeypatch: pytest.MonkeyPatch
     resumed = Sewing(0)
     monkeypatch.setattr(run, "close_seams", resumed)
     outcome = run.run(job, lambda progress: None, path, resume=True)
-    assert resumed.all_or_none == [False]
+    assert resumed.give_up_mm == [100.0]
     assert resumed.ends == whole.ends
     assert any(ANEW in warning for warning in outcome.warnings)
 

@@ -37,7 +37,18 @@ from garmentcad.simulation.mend import PRICKED, TOUCHING_M, off_body, parted, tu
 from garmentcad.simulation.pressing import imposed_angles, laid_angles, press, under_iron
 from garmentcad.simulation.refine import refined, refined_sliders
 from garmentcad.simulation.resume import refuse_course, refuse_memory, refuse_shape
-from garmentcad.simulation.sewing import SEWING, SEWINGS, Welding, close_seams, held_from_the_start, hold, open_mm, weld_state
+from garmentcad.simulation.sewing import (
+    SEWING,
+    SEWINGS,
+    UNWELDABLE,
+    WIDEST_WELD_MM,
+    Welding,
+    close_seams,
+    held_from_the_start,
+    hold,
+    open_mm,
+    weld_state,
+)
 from garmentcad.simulation.start import freed, refuse_tangled
 from garmentcad.simulation.stepper import make_dynamics
 from garmentcad.solve.dynamics import DivergedError, Dynamics, IntersectingError
@@ -244,12 +255,13 @@ class _Run:
         dynamics, _ = make_dynamics(self.job, start, self._for_sewing(), angles, dressing=True)
         self._begin(dynamics)
         sewing = int(self.state.run.get(SEWING, 0.0)) + 1
-        pull = CLOSING_OVER_N_M if len(self.job.worn) > 1 else CLOSING_PULL_N_M
+        pull, unweldable = CLOSING_OVER_N_M if len(self.job.worn) > 1 else CLOSING_PULL_N_M, UNWELDABLE * M_TO_MM * start.spacing
         failed: DivergedError | IntersectingError | None = None
         welding = Welding()
         try:
             hardware = held_from_the_start(self._hardware(start), start, worn)
-            welding = close_seams(dynamics, self.state, hardware, self.keep, pull, self.job.max_time_s, sewing < SEWINGS)
+            give_up = WIDEST_WELD_MM if sewing < SEWINGS else unweldable
+            welding = close_seams(dynamics, self.state, hardware, self.keep, pull, self.job.max_time_s, give_up)
         except (DivergedError, IntersectingError) as error:
             failed = error
         self._add_up(dynamics.seconds)
@@ -262,8 +274,11 @@ class _Run:
             if np.isfinite(self.state.positions).all():
                 self.state.run |= Welding(open_mm(start, self.state.positions)).as_run()
             return self._broken_off(flat, start, failed.status)
-        if welding.open_seams and out_of_time:
+        if welding.open_seams and (out_of_time or welding.widest_mm > unweldable):
             self.state.run |= welding.as_run()
+            if not out_of_time:
+                why = "something lies between their panels, or a panel is laid the wrong way around"
+                self.warnings.append(f"seams that stand open by more than {unweldable:g} mm are not welded, and the run ended there: {why}")
             return self._broken_off(flat, start, "max_time")
         self.state = weld_state(start, welded, particle_map, self.state)
         del dynamics  # what follows needs much memory for a while
