@@ -12,7 +12,7 @@ import trimesh
 from elastic import linear
 from small_cloth import materials, small_cloth
 
-from garmentcad.arrays import CHUNKS
+from garmentcad.arrays import CHUNKS, frozen
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.lattice import rectangle_cloth
 from garmentcad.cloth.state import State
@@ -277,7 +277,7 @@ def test_velocities_are_those_of_the_sum_of_all_forces() -> None:
     own = np.where(rng.random(count) < 0.8, np.arange(count), -1).astype(np.int32)
     # in two places, as along seams: most particles have one row
     others = np.concatenate([rng.integers(20, 50, 400), rng.integers(200, 230, 90)]).astype(np.int32)
-    masses, drag, across = 0.5 + rng.random(count), 10.0 * rng.random(count), rng.standard_normal((count, 3))
+    masses, drag, across = frozen(0.5 + rng.random(count)), 10.0 * rng.random(count), rng.standard_normal((count, 3))
     sums = ForceAssembly([_Pulls("lattice", own), _Pulls("border", others)], count, [ForceGravity(masses)]).sums(masses)
     assert 0 < len(sums.mixed) < 150
     before, dt, none = rng.standard_normal((count, 3)), 1e-3, np.zeros((count, 3))
@@ -304,7 +304,7 @@ def test_a_speed_that_is_no_number_does_not_hide(wrong: float) -> None:
     forces, out = np.zeros((5, 3)), np.zeros((CHUNKS, 2))
     forces[3, 1] = wrong
     none = np.zeros(0, np.int32), np.zeros(CHUNKS + 1, np.int32)
-    sums = Sums(np.arange(6, dtype=np.int32), np.arange(5, dtype=np.int32), *none, forces, np.zeros(5), np.ones(5))
+    sums = Sums(np.arange(6, dtype=np.int32), np.arange(5, dtype=np.int32), *none, forces, np.zeros(5), frozen(np.ones(5)))
     places, inertia = np.zeros((5, 3)), (np.zeros(5), np.ones(5), np.zeros((5, 3)))
     advance_velocities(sums, (1e-3, math.inf), inertia, fresh_planes(places, False), np.zeros(5), np.zeros(5, np.int8), places, np.zeros((5, 3)), out)
     assert out[:, 0].max() == math.inf
@@ -333,7 +333,7 @@ def test_the_cap_leaves_what_the_body_takes_and_nothing_else() -> None:
     positions, planes = np.zeros((6, 3)), fresh_planes(np.zeros((6, 3)), False)
     planes.held[:], planes.normal[:, 0], planes.room[1:3, 0] = 1, [0.0, 1.0, 0.0], 3e-3
     none = np.zeros(0, np.int32), np.zeros(CHUNKS + 1, np.int32)
-    sums = Sums(np.arange(7, dtype=np.int32), np.arange(6, dtype=np.int32), *none, forces, np.zeros(6), np.ones(6))
+    sums = Sums(np.arange(7, dtype=np.int32), np.arange(6, dtype=np.int32), *none, forces, np.zeros(6), frozen(np.ones(6)))
     velocities, out = np.zeros((6, 3)), np.zeros((CHUNKS, 2))
     pressed, inertia = np.array([0, 0, 1, 0, 0, 0], np.int8), (np.zeros(6), np.ones(6), np.zeros((6, 3)))
     advance_velocities(sums, (1e-3, 1.0), inertia, planes, np.full(6, 0.2), pressed, positions, velocities, out)

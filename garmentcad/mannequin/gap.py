@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import cKDTree
 
-from garmentcad.arrays import entry, floats, indices, kernel
+from garmentcad.arrays import entry, floats, frozen, indices, kernel
 from garmentcad.errors import MannequinError
 from garmentcad.geometry.closest import point_triangle, row
 from garmentcad.geometry.intersection import crossing_triangle_pairs
@@ -83,7 +83,7 @@ def _distance(vertices: np.ndarray, one: np.ndarray, other: np.ndarray) -> float
     close[targets] = np.isfinite(cKDTree(vertices[near]).query(vertices[targets], distance_upper_bound=reach)[0])
     faces = other[close[other].any(axis=1)]
     out = np.empty(len(near))
-    _distances(floats(vertices), indices(near), indices(faces), out)
+    _distances(frozen(floats(vertices)[:]), indices(near), indices(faces), out)  # of a body that moves, too: else the kernel is compiled twice
     return float(min(out.min(), _FAR))
 
 

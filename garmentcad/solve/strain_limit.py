@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from garmentcad.arrays import kernel
+from garmentcad.arrays import frozen, kernel
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.fabric.material import MaterialTable
 
@@ -30,7 +30,8 @@ class StrainLimit(NamedTuple):
 def strain_limit(cloth: Cloth, materials: MaterialTable) -> StrainLimit:
     """The limits of all links of `cloth`."""
     limit = materials.strain_limit[cloth.links.material, cloth.links.direction]
-    return StrainLimit(cloth.links.ends, cloth.links.rest_length * (1.0 + limit))
+    # read-only, whosever cloth it is: kernels are compiled anew for arrays that are not
+    return StrainLimit(frozen(cloth.links.ends[:]), cloth.links.rest_length * (1.0 + limit))
 
 
 @kernel
