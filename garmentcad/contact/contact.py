@@ -123,8 +123,8 @@ class Contact:
         self._cloth_friction, self._body_friction = (compact(largest_around(cloth, values)) for values in (materials.friction_cloth, materials.friction_body))
         self._elements = ClothElements(cloth, float(self._cloth_gap.max(initial=LEAST_GAP)))
         self._body, self._itself = None if body is None else BodyElements(*body, cloth.spacing, _longest_side(cloth)), itself
-        # m; `covered` is the longest way that a look covers, unless a single step may go farther.
-        self._spacing, self.covered = cloth.spacing, _COVERED_FAST * cloth.spacing
+        self._spacing = cloth.spacing
+        self.covered = _COVERED_FAST * cloth.spacing  # m, the longest way that a look covers, unless a single step may go farther
         if self._body is None:
             self._surface = Surface(np.zeros((0, 3)), frozen(np.zeros((0, 3), np.int32)), np.zeros((0, 7, 3)))
             self._tree, rise = Tree(np.zeros(0, np.int32), np.zeros((2, 6))), np.zeros(0)

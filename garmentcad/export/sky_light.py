@@ -28,7 +28,8 @@ class SkyLight:
     def __init__(self, points: np.ndarray, triangles: np.ndarray) -> None:
         self._directions = _spread(DIRECTIONS)
         center = 0.5 * (points.min(axis=0) + points.max(axis=0))
-        triangles, metre_px = indices(triangles), 0.5 * MAP_PX / (1.01 * float(np.linalg.norm(points - center, axis=1).max()))
+        triangles = indices(triangles)
+        metre_px = 0.5 * MAP_PX / (1.01 * float(np.linalg.norm(points - center, axis=1).max()))
         self._views = np.stack([_view(direction, center, metre_px) for direction in self._directions])
 
         def draw(view: np.ndarray) -> np.ndarray:

@@ -255,7 +255,8 @@ class _Run:
         dynamics, _ = make_dynamics(self.job, start, self._for_sewing(), angles, dressing=True)
         self._begin(dynamics)
         sewing = int(self.state.run.get(SEWING, 0.0)) + 1
-        pull, unweldable = CLOSING_OVER_N_M if len(self.job.worn) > 1 else CLOSING_PULL_N_M, UNWELDABLE * M_TO_MM * start.spacing
+        pull = CLOSING_OVER_N_M if len(self.job.worn) > 1 else CLOSING_PULL_N_M
+        unweldable = UNWELDABLE * M_TO_MM * start.spacing
         failed: DivergedError | IntersectingError | None = None
         welding = Welding()
         try:

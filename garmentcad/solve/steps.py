@@ -131,11 +131,15 @@ def _fastest_to_come(controls, planes, pressed, positions, velocities):  # type:
     square = 0.0
     for n in range(len(velocities)):
         x, y, z = row(velocities, n)
+        one = x * x + y * y + z * z
+        if one <= square:
+            continue
         if n < count:
             (a, b, c), into, room = _press_of(n, math.inf, controls.time_step, planes, pressed, positions, velocities)
             stopped = min(0.0, into + max(0.0, room) / controls.time_step)
             x, y, z = x - stopped * a, y - stopped * b, z - stopped * c
-        square = max(square, x * x + y * y + z * z)
+            one = x * x + y * y + z * z
+        square = max(square, one)
     return math.sqrt(square)
 
 
