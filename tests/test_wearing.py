@@ -177,6 +177,40 @@ def test_a_garment_that_hangs_from_the_shoulders_does_not_fall() -> None:
     assert [str(finding) for finding in examine(spec, grid_mm=20.0)] == []
 
 
+@pytest.mark.parametrize("sleeves", [False, True])
+def test_a_garment_that_hangs_from_the_arms_does_not_fall(sleeves: bool) -> None:
+    """An off-the-shoulder top with an elastic around shoulders and arms, and elastics at its sleeves: those were told as slack around the trunk."""
+    wrap = {"anchor": [0, 0], "offset": 35, "height": "bust_height + 30"}
+    body = {
+        "points": {"mid": [0, 110], "low": [0, -380], "hem": ["half + 20", -380], "under": ["half", 0], "top": ["half - 35", 110]},
+        "edges": [{"name": p, "from": p, "to": q} for p, q in (("mid", "low"), ("low", "hem"), ("hem", "under"), ("under", "top"), ("top", "mid"))],
+        "mirror": "mid",
+    }
+    arm = {"low_f": [-200, -180], "low_b": [200, -180], "under_b": [200, 0], "top_b": [165, 110], "top_f": [-165, 110], "under_f": [-200, 0]}
+    sleeve = {"points": arm, "edges": [{"name": p, "from": p, "to": q} for p, q in zip(arm, [*list(arm)[1:], "low_f"])]}
+    on_arm = {name: {"wrap": {"part": f"arm_{name}", "anchor": [0, 110], "angle": 0, "height": -20, "offset": 30}} for name in ("left", "right")}
+    panels: dict[str, Any] = {
+        "front": body | {"placement": {"wrap": wrap | {"part": "torso", "angle": 0}}},
+        "back": body | {"placement": {"wrap": wrap | {"part": "torso", "angle": 180}}},
+        "left": sleeve | {"placement": on_arm["left"]}, "right": {"mirrored_from": "left", "placement": on_arm["right"]},
+    }  # fmt: skip
+    seams = []
+    for side, front, back in (("left", "", "_m"), ("right", "_m", "")):
+        seams += [
+            {"a": [f"front.hem{front}.under{front}", f"front.hem{front}.hem{front}"], "b": [f"back.hem{back}.under{back}", f"back.hem{back}.hem{back}"]},
+            {"a": [f"{side}.under_f.under_f", f"{side}.under_f.low_f"], "b": [f"{side}.low_b.under_b", f"{side}.low_b.low_b"]},
+            {"a": [f"{side}.top_f.top_f", f"{side}.top_f.under_f"], "b": [f"front.under{front}.top{front}", f"front.under{front}.under{front}"]},
+            {"a": [f"{side}.under_b.top_b", f"{side}.under_b.under_b"], "b": [f"back.under{back}.top{back}", f"back.under{back}.under{back}"]},
+        ]
+    neck = [["front.top_m.top_m", "front.top.top"], ["left.top_b.top_f", "left.top_b.top_b"], ["back.top_m.top_m", "back.top.top"]]
+    elastics = [{"name": "neck", "along": [*neck, ["right.top_b.top_b", "right.top_b.top_f"]], "ratio": 0.66, "stiffness": 50}]
+    if sleeves:
+        elastics += [{"name": side, "along": [[f"{side}.low_f.low_f", f"{side}.low_f.low_b"]], "ratio": 0.68, "stiffness": 30} for side in ("left", "right")]
+    data = {"name": "bardot", "fabric": "cotton-voile", "mannequin": "woman-88", "values": {"half": "(bust + 140) / 4"}, "panels": panels, "elastics": elastics}
+    spec = parse_spec(data | {"seams": [{"name": f"s{k}", **seam} for k, seam in enumerate(seams)]})
+    assert [finding.code for finding in examine(spec, grid_mm=20.0) if finding.severity != "note"] == []
+
+
 @pytest.mark.parametrize(("ratio", "codes"), [(0.68, []), (0.8, ["slides-down"]), (0.97, ["falls-down"]), (1.2, ["falls-down"])])
 def test_an_elastic_holds_up_what_it_draws_in(ratio: float, codes: list[str]) -> None:
     """A band of 1050 mm with an elastic along its upper edge, 1080 mm up, where the body measures 730 mm."""

@@ -50,7 +50,8 @@ def check_falling(
 ) -> Iterator[Finding]:
     """A garment that hangs from nothing and is wider around the trunk than all that lies below. positions (P,3) m; rings: levels, m, and lengths, mm."""
     height = M_TO_MM * float(positions[:, 1].max())
-    if pattern.pins or pattern.buttons or height > body.measurements_mm.get("shoulder_height", np.inf):
+    on_arms = any(isinstance(panel.placement, Wrap) and panel.placement.part.startswith("arm") for panel in pattern.panels.values())
+    if on_arms or pattern.pins or pattern.buttons or height > body.measurements_mm.get("shoulder_height", np.inf):
         return
     drops = []
     for level, length, name in _around(pattern, sewn, positions, trunk, rings):
