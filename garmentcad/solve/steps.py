@@ -263,7 +263,7 @@ def run_steps(order, controls, forces, stiff, sums, bonds, limit, contact, clock
         if not fastest < np.inf:
             return RUNAWAY  # no look would cover that way
         fastest = max(fastest, pace[2])
-        # as `Contact.detect` has it, to the bit: it would else refuse to look, and a step that asks for a look go on asking
+        # `Contact.detect` goes by the speed in the clock. Where that is less, and the cover enough for it, it does not look, and the step goes on with it.
         if way + controls.surge * (fastest * dt) > covered[0]:
             way = farthest(positions, home)
             if way + controls.surge * (fastest * dt) > covered[0]:
