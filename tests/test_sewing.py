@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from copy import deepcopy
 from dataclasses import replace
 
@@ -23,7 +24,7 @@ from garmentcad.io.mannequin_file import read_mannequin
 from garmentcad.pattern.pattern import EdgeUse, Seam
 from garmentcad.simulation import sewing
 from garmentcad.simulation.course import CLOSED_M, Progress
-from garmentcad.simulation.sewing import Welding, close_seams, closing_leniency, first_orders, row_orders, weld_state
+from garmentcad.simulation.sewing import Welding, as_they_stand, close_seams, closing_leniency, first_orders, row_orders, weld_state
 from garmentcad.simulation.start import refuse_tangled
 from garmentcad.solve.dynamics import Dynamics
 from garmentcad.solve.strain_limit import strain_limit
@@ -68,9 +69,9 @@ def test_start_inside_the_body_or_through_another_panel_is_refused() -> None:
 
 
 def test_a_seam_that_did_not_close_is_said_and_survives_a_checkpoint() -> None:
-    welding = Welding({"side": 0.4, "cap": 8.125, "waist": 1.2}, 0.02, ("side", "waist"))
+    welding = Welding({"side": 0.4, "cap": 8.125, "waist": 1.2}, 0.02, ("side", "waist"), {"side": 0.2, "cap": 0.43})
     assert welding.open_seams == [
-        "seam 'cap' did not close: it stood 8.1 mm open (at most 1 mm is a closed seam)",
+        "seam 'cap' did not close: it stood 8.1 mm open, widest after 43 % of its length (at most 1 mm is a closed seam)",
         "seam 'waist' did not close: it stood 1.2 mm open (at most 1 mm is a closed seam)",
     ]
     assert welding.conflicting == ["waist"]
@@ -121,6 +122,19 @@ def three_squares(height_mm: float = 0.0, apart_mm: float = 10.0) -> tuple[Dynam
     state = State(positions, np.zeros_like(positions), phase="close")
     dynamics.start(state)
     return dynamics, state
+
+
+def test_an_open_seam_tells_where_it_is_widest() -> None:
+    """All stand 10 mm apart; the second stitch of four, a third of the seam from where its sides begin, is besides 30 mm higher on one of them."""
+    dynamics, state = three_squares()
+    cloth, positions = dynamics.cloth, state.positions.copy()
+    begins = np.array([60.0, 20.0])  # side 1 of a square runs up from (60, 0)
+    corner = np.flatnonzero((cloth.vertex_panel == 0) & (np.abs(cloth.vertex_uv_mm - begins) < 1e-9).all(axis=1))
+    positions[cloth.vertex_particle[corner], 2] += 0.03
+    standing = as_they_stand(cloth, positions)
+    assert standing.gap_mm == pytest.approx({"late": 10.0, "early": math.hypot(10.0, 30.0)})
+    assert standing.widest_at["early"] == pytest.approx(1.0 / 3.0)
+    assert as_they_stand(cloth, positions, cloth.stitch_seam == cloth.seam_names.index("late")).gap_mm == pytest.approx({"late": 10.0})
 
 
 def test_no_stitch_pulls_harder_than_it_may() -> None:

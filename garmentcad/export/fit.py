@@ -115,7 +115,7 @@ def fit_tables(fit: Mapping[str, Any]) -> list[Table]:
         for parts in loops:
             lines.add_row(f"{name} ({parts})", *(cell(f"lines.{name}.{parts}.{key}") for key in ("body_mm", "ease_mm", "pattern_ease_mm")), "")
     lines.title = f"{fit['garment']} · {fit['fabric']} · {fit['mannequin']} · {fit['grid_mm']:g} mm"
-    lines.title += "" if fit["status"] == "converged" else f" · NOT AT REST ({fit['status']})"
+    lines.title += "" if fit["status"] == "converged" else f" · NOT CONVERGED ({fit['status']})"
     seams = plain_table("seam", "length mm", "across N/m", "most N/m", "along N/m")
     for name, seam in fit.get("seam_tension", {}).items():
         if seam is not None:

@@ -43,10 +43,10 @@ from garmentcad.simulation.sewing import (
     UNWELDABLE,
     WIDEST_WELD_MM,
     Welding,
+    as_they_stand,
     close_seams,
     held_from_the_start,
     hold,
-    open_mm,
     weld_state,
 )
 from garmentcad.simulation.start import freed, refuse_tangled
@@ -273,7 +273,7 @@ class _Run:
         if failed is not None:
             self.warnings.append(str(failed))
             if np.isfinite(self.state.positions).all():
-                self.state.run |= Welding(open_mm(start, self.state.positions)).as_run()
+                self.state.run |= as_they_stand(start, self.state.positions).as_run()
             return self._broken_off(flat, start, failed.status)
         if welding.open_seams and (out_of_time or welding.widest_mm > unweldable):
             self.state.run |= welding.as_run()

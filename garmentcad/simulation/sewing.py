@@ -4,7 +4,7 @@ ones of their panels, or later where they say so, and stay, buttons on their sha
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -32,6 +32,7 @@ from garmentcad.simulation.course import (
 )  # fmt: skip
 from garmentcad.simulation.mend import pulled_out
 from garmentcad.solve.dynamics import Dynamics
+from garmentcad.units import M_TO_MM
 
 SEWING = "sewing"  # in State.run: how many times the panels were sewn before
 # Cloth may be caught between seams that close around it: the tip of one leg of trousers lay under that of the other and held both inseams 4 mm open, in one
@@ -45,14 +46,15 @@ APART_M = 0.1
 UNWELDABLE = 2.0  # lattice spacings: a seam that stays wider open is not welded, which would draw its ends through whatever keeps them apart
 HELD_M = 1e-3  # gap of pins and buttons at which cloth is dressed; they go on to close afterwards
 HOLDING_RATE = 1000.0  # 1/s, of pins once the seams are welded
-_GAP, _SPEED, _REDUNDANT = "gap_mm.", "gap_speed_m_s", "redundant."
+_GAP, _WIDEST_AT, _SPEED, _REDUNDANT = "gap_mm.", "gap_at.", "gap_speed_m_s", "redundant."
 _ORDER, _FROM = "sewing_order", "sewing_from_s"  # in State.run: the order that closes, and since when
 _LEAST = "sewing_least_m"  # and how narrow its widest gap was
 
 
 @dataclass(frozen=True)
 class Welding:
-    """The seams at the instant of welding. gap_mm: largest |C| by seam; speed_m_s: largest |C'| of a stitch; redundant: seams whose stitches repeat others.
+    """The seams at the instant of welding. gap_mm: largest |C| by seam; speed_m_s: largest |C'| of a stitch; redundant: seams whose stitches repeat others;
+    widest_at: by seam, which part of it lies before the stitch of that gap, 0 to 1 from where its sides begin.
 
     It travels in `State.run`, so that a run resumed after welding reports the same.
     """
@@ -60,6 +62,7 @@ class Welding:
     gap_mm: Mapping[str, float] = field(default_factory=dict)
     speed_m_s: float | None = None
     redundant: tuple[str, ...] = ()
+    widest_at: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def widest_mm(self) -> float:
@@ -70,7 +73,9 @@ class Welding:
     def open_seams(self) -> list[str]:
         """A sentence for each seam that did not close."""
         bar = f"at most {WIDEST_WELD_MM:g} mm is a closed seam"
-        return [f"seam '{name}' did not close: it stood {gap:.1f} mm open ({bar})" for name, gap in self.gap_mm.items() if gap > WIDEST_WELD_MM]
+        at = {name: f", widest after {100.0 * share:.0f} % of its length" for name, share in self.widest_at.items()}
+        wide = {name: gap for name, gap in self.gap_mm.items() if gap > WIDEST_WELD_MM}
+        return [f"seam '{name}' did not close: it stood {gap:.1f} mm open{at.get(name, '')} ({bar})" for name, gap in wide.items()]
 
     @property
     def conflicting(self) -> list[str]:
@@ -80,13 +85,14 @@ class Welding:
     def as_run(self) -> dict[str, float]:
         """Entries of `State.run`."""
         speed = {} if self.speed_m_s is None else {_SPEED: self.speed_m_s}
-        return {f"{_GAP}{name}": gap for name, gap in self.gap_mm.items()} | speed | {f"{_REDUNDANT}{name}": 1.0 for name in self.redundant}
+        seams = {f"{_GAP}{name}": gap for name, gap in self.gap_mm.items()} | {f"{_WIDEST_AT}{name}": at for name, at in self.widest_at.items()}
+        return seams | speed | {f"{_REDUNDANT}{name}": 1.0 for name in self.redundant}
 
     @classmethod
     def of_run(cls, run: Mapping[str, float]) -> Welding:
         """What `as_run` put there."""
-        gaps = {key.removeprefix(_GAP): value for key, value in run.items() if key.startswith(_GAP)}
-        return cls(gaps, run.get(_SPEED), tuple(key.removeprefix(_REDUNDANT) for key in run if key.startswith(_REDUNDANT)))
+        gaps, ats = ({key.removeprefix(prefix): value for key, value in run.items() if key.startswith(prefix)} for prefix in (_GAP, _WIDEST_AT))
+        return cls(gaps, run.get(_SPEED), tuple(key.removeprefix(_REDUNDANT) for key in run if key.startswith(_REDUNDANT)), ats)
 
 
 def close_seams(
@@ -115,17 +121,19 @@ def close_seams(
         welding = _close(dynamics, state, rows_where(hardware, held <= now), np.flatnonzero(order <= now), late, look, (pull_n_m * cloth.spacing, until_s))
         if state.time_s >= until_s:
             # Seams whose turn has not come stand open, too.
-            return replace(welding, gap_mm={**welding.gap_mm, **open_mm(cloth, state.positions, order > now)})
+            later = as_they_stand(cloth, state.positions, order > now)
+            return replace(welding, gap_mm={**welding.gap_mm, **later.gap_mm}, widest_at={**welding.widest_at, **later.widest_at})
         if welding.widest_mm > give_up_mm:
             return welding
     return welding
 
 
-def open_mm(cloth: Cloth, positions: np.ndarray, chosen: np.ndarray | None = None) -> dict[str, float]:
-    """How far the seams of a cloth stand open at positions (P,3) m: the widest stitch of each, mm, of the chosen (S,) bool, or of all."""
+def as_they_stand(cloth: Cloth, positions: np.ndarray, chosen: np.ndarray | None = None) -> Welding:
+    """How far the seams of a cloth stand open at positions (P,3) m, and where, of the chosen stitches (S,) bool, or of all."""
     rows = slice(None) if chosen is None else chosen
     a, b = (positions[cloth.stitches[rows, side]] for side in (0, 1))
-    return _worst_mm([cloth.seam_names[k] for k in cloth.stitch_seam[rows]], np.linalg.norm(a - b, axis=1))
+    gap_mm, widest_at = _widest(cloth, cloth.stitch_seam[rows], np.linalg.norm(a - b, axis=1))
+    return Welding(gap_mm, widest_at=widest_at)
 
 
 def held_from_the_start(rows: PointRows, cloth: Cloth, panels: Collection[str]) -> PointRows:
@@ -193,9 +201,9 @@ def _close(
         advance_or_retreat(dynamics, state)
     if state.time_s - since >= CLOSING_PASS_S:
         dynamics.contact.let_pass(state, _ends(cloth, chosen[:0]))
-    worst = _worst_mm(names, gaps[:sewn])
-    redundant = tuple(name for name in dynamics.constraint.redundant if name in worst)
-    return Welding(worst, float(speeds[:sewn].max(initial=0.0)), redundant)
+    gap_mm, widest_at = _widest(cloth, cloth.stitch_seam[chosen], gaps[:sewn])
+    redundant = tuple(name for name in dynamics.constraint.redundant if name in gap_mm)
+    return Welding(gap_mm, float(speeds[:sewn].max(initial=0.0)), redundant, widest_at)
 
 
 def _ends(cloth: Cloth, stitches: np.ndarray) -> np.ndarray:
@@ -205,12 +213,13 @@ def _ends(cloth: Cloth, stitches: np.ndarray) -> np.ndarray:
     return ends
 
 
-def _worst_mm(names: Iterable[str], gaps: np.ndarray) -> dict[str, float]:
-    """The widest of the gaps (N,) m of each seam, mm."""
-    worst: dict[str, float] = {}
-    for name, gap in zip(names, gaps):
-        worst[name] = max(worst.get(name, 0.0), float(gap) * 1e3)
-    return worst
+def _widest(cloth: Cloth, seams: np.ndarray, gaps: np.ndarray) -> tuple[dict[str, float], dict[str, float]]:
+    """Of each of the seams (N,) the widest of the gaps (N,) m of its stitches, which lie in their order, mm; and which part of them lies before that one."""
+    gap_mm, widest_at = {}, {}
+    for seam in dict.fromkeys(seams.tolist()):
+        name, own = cloth.seam_names[seam], gaps[seams == seam]
+        gap_mm[name], widest_at[name] = M_TO_MM * float(own.max()), float(own.argmax()) / max(1, len(own) - 1)
+    return gap_mm, widest_at
 
 
 def hold(dynamics: Dynamics, state: State, hardware: PointRows) -> None:
