@@ -101,7 +101,35 @@ def test_friction_is_taken_out_of_lengths_where_it_is_known() -> None:
                 assert "taken out" in found[key].how
 
 
+def test_a_ratio_of_hysteresis_to_stiffness_gives_both_from_a_length() -> None:
+    """10 uN.m, 200 g/m2 and H c/B = 0.6: 2HB over B is 1.2/c. Without it the bounds hold the B of the usual 0.9 /cm, as of a strip that has it."""
+    c = (1e-5 / 1.962) ** (1 / 3)
+    for ratio in (1.2 / (100.0 * c), 0.9):
+        held = 50.0 * ratio * c
+        overhang_mm = 1e3 * c * (2.0 * slid_by_shooting(held, 0.025) - slid_by_shooting(held, 0.05))
+        readings = {"W": 20.0, "overhang.warp": overhang_mm, "C.bias": 0.5 * overhang_mm}
+        found = by_key(readings | {"2HB/B": ratio})
+        for way in ("warp", "bias"):
+            bending, hysteresis = found[f"B.{way}"], found[f"2HB.{way}"]
+            assert bending.value * 98.0665 == pytest.approx(10.0, rel=0.005)
+            assert bending.low < bending.value < bending.high
+            assert hysteresis.value == pytest.approx(ratio * bending.value, rel=1e-12)
+            assert (bending.estimate, hysteresis.estimate) == (False, True)
+    without = by_key(readings)
+    assert set(without) == {"B.warp", "B.bias"}
+    assert without["B.warp"].low * 98.0665 < 10.0 < 14.0 < without["B.warp"].value * 98.0665 < without["B.warp"].high * 98.0665
+
+
+def test_friction_in_a_length_is_said_unless_it_is_taken_out() -> None:
+    readings = {"W": 20.0, "C.warp": 20.0, "C.weft": 18.0}
+    assert [(finding.severity, finding.key) for finding in doubtful(readings)] == [("warning", "B.warp"), ("warning", "B.weft")]
+    assert [finding.key for finding in doubtful(readings | {"2HB.warp": 0.02})] == ["B.weft"]
+    assert doubtful(readings | {"2HB/B": 0.4}) == doubtful(readings | {"2HB.mean": 0.03}) == []
+
+
 BAD = [
+    ({"W": 20.0, "2HB/B": 0.4}, "2HB/B", "needs a length of a cantilever"),
+    ({"W": 20.0, "C.warp": 15.0, "2HB.warp": 0.01, "2HB/B": 0.4}, "2HB/B", "needs a length of a cantilever in a direction of which no 2HB is given"),
     ({"C.warp": 15.0}, "W", "only with the mass per area"),
     ({"W": 20.0, "C.warp": 15.0, "overhang.warp": 30.0}, "C.warp", "both a bending length and an overhang"),
     ({"W": 20.0, "C.warp": 1.5}, "C.warp", "impossible for bending length"),
@@ -127,6 +155,13 @@ def test_readings_that_are_equal_within_their_tenth_are_taken() -> None:
     fitted = {value.key: value for value in fit_fast({"E5.warp": 0.1, "E20.warp": 0.1, "E100.warp": 0.8})}
     assert fitted["EMT.warp"].low <= 0.8 <= fitted["EMT.warp"].high
     assert fitted["LT.warp"].low < fitted["LT.warp"].value < fitted["LT.warp"].high
+
+
+def test_the_firmest_cloth_that_a_sheet_takes_is_fitted() -> None:
+    """Extensions of 0, 0 and 0.2 % come nearest to a curve that ends just below the least EMT of a sheet."""
+    found = by_key({"E5.warp": 0.0, "E20.warp": 0.0, "E100.warp": 0.2})
+    assert found["EMT.warp"].value == pytest.approx(0.2, abs=1e-6)
+    assert found["EMT.warp"].value >= 0.2
 
 
 def test_one_extension_gives_its_strain_and_no_linearity() -> None:

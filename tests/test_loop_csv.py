@@ -41,6 +41,8 @@ def test_three_tests_side_by_side(tmp_path: Path) -> None:
         ("elongation [mm/mm];load [N/m]", STRAIN, FORCE, (100.0, 1 / 0.980665)),
         ("angle [rad];force [cN/cm]", ANGLE, SHEAR, (180 / np.pi, 1 / 0.980665)),
         ("curvature [1/m];moment [N.m/m]", BEND, MOMENT, (0.01, 1 / 9.80665e-3)),
+        ("Elongation (%) Mean;Force [mN/cm]", STRAIN, FORCE, (1.0, 0.1 / 0.980665)),
+        ("curvature [cm⁻¹];moment [gf · cm/cm]", BEND, MOMENT, (1.0, 1.0)),
     ],
 )
 def test_units_and_decimal_commas(header: str, x: np.ndarray, y: np.ndarray, factors: tuple[float, float], tmp_path: Path) -> None:

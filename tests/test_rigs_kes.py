@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -215,6 +216,18 @@ def test_shear_is_read_at_its_angles_however_much_the_tension_stretches() -> Non
     printed = printed_shear(loop, net.shear_window_deg)
     for key, value in printed.items():
         assert value / net.number(f"{key}.warp") == pytest.approx(clamped_share(materials)[0], rel=0.1)
+
+
+def test_a_resilience_that_no_law_prints_comes_as_near_as_it_can(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What the finding of the sheet says, whole percents, is what the virtual tester reads from its loop."""
+    tester = KesTester("tension", "warp")
+    monkeypatch.setattr(calibration, "TESTERS", (tester,))
+    changed = {"RT.warp": 5.0, "LT.warp": 0.62, "WT.warp": 9.3}
+    completed = complete(SHEET.with_values({key: KesValue(value=value, estimate="a test") for key, value in changed.items()}))
+    said = re.search(r"warning: RT.warp: .* gives back (\d+) % at least; it prints that", "\n".join(map(str, completed.findings)))
+    solved = calibrate(completed.sheet, 12.5)
+    assert said is not None
+    assert run_tester(tester, solved, sheet_materials(solved), 12.5, sides=1).printed["RT.warp"] == pytest.approx(float(said[1]), abs=0.6)
 
 
 def test_a_value_that_no_law_prints_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:

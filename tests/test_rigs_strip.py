@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -11,6 +12,7 @@ from test_cantilever import slid_by_shooting
 from garmentcad.errors import InputError
 from garmentcad.fabric.material import MaterialTable, without_friction
 from garmentcad.io.fabric_file import fabric_path, load_fabric
+from garmentcad.rigs.bias_extension import bias_extension
 from garmentcad.rigs.kes import sheet_materials
 from garmentcad.rigs.strip import elastic_bending_length, loop_drop, overhang, standard_overhang
 from garmentcad.units import GRAVITY_M_S2
@@ -66,3 +68,25 @@ def test_the_standard_test_prints_what_friction_keeps(softer: float) -> None:
 def test_a_strip_on_the_bias_is_refused(ask: Callable[[MaterialTable, float], float]) -> None:
     with pytest.raises(InputError, match="45 degrees; allowed are 0"):
         ask(SUITING, 45.0)
+
+
+@pytest.mark.parametrize(
+    ("tested", "key"),
+    [
+        (lambda fabric: overhang(fabric, 0.0, 5.0), "length_mm"),
+        (lambda fabric: overhang(fabric, math.nan, 5.0), "length_mm"),
+        (lambda fabric: overhang(fabric, 100.0, 0.0), "length_mm"),
+        (lambda fabric: overhang(fabric, 100.0, 5.0, 45.0), "angle_deg"),
+        (lambda fabric: loop_drop(fabric, 10.0, 5.0, "ring"), "length_mm"),
+        (lambda fabric: loop_drop(fabric, 155.0, 5.0, "star"), "shape"),
+        (lambda fabric: loop_drop(fabric, 155.0, 5.0, "ring", 30.0), "angle_deg"),
+        (lambda fabric: bias_extension(fabric, 5.0, [10.0, 42.0]), "ways_mm"),
+        (lambda fabric: bias_extension(fabric, 5.0, [-1.0]), "ways_mm"),
+        (lambda fabric: bias_extension(fabric, 5.0, [math.nan]), "ways_mm"),
+        (lambda fabric: bias_extension(fabric, 60.0, [3.0]), "grid_mm"),
+    ],
+)
+def test_what_no_strip_can_be_is_refused(tested: Callable[[MaterialTable], object], key: str) -> None:
+    with pytest.raises(InputError) as refused:
+        tested(stiff(1.0, 0.1))
+    assert refused.value.key == key

@@ -11,6 +11,9 @@ from garmentcad.fabric.fast import fit_fast
 from garmentcad.fabric.material import material_row, material_table
 from garmentcad.fabric.missing import measured_fraction
 from garmentcad.io.fabric_file import fabric_names, fabric_path, load_fabric, read_fabric
+from garmentcad.rigs.kes import sheet_materials
+from garmentcad.rigs.specimen import ANGLES
+from garmentcad.rigs.strip import standard_overhang
 from garmentcad.units import GF_CM2_CM_TO_N_M, GF_CM_DEG_TO_N_M_RAD
 
 NAMES = fabric_names()
@@ -124,10 +127,13 @@ def test_tension_from_published_stiffness(name: str, axes: dict[str, tuple[float
 
 def test_wool_dress_is_what_fit_makes_of_its_readings() -> None:
     readings = {"W": 16.8, "E5.warp": 0.67, "E20.warp": 1.87, "E100.warp": 4.6, "E5.weft": 0.4, "E20.weft": 1.87, "E100.weft": 5.87}
-    readings |= {"EB5": 4.7, "C.warp": 15.0, "C.weft": 14.5}
-    sheet = read_fabric(fabric_path("wool-dress"))
+    readings |= {"EB5": 4.7, "C.warp": 15.0, "C.weft": 14.5, "2HB/B": 0.49}
+    sheet = load_fabric(fabric_path("wool-dress")).sheet
     for fitted in fit_fast(readings):
         assert sheet.number(fitted.key) == pytest.approx(fitted.value, rel=1e-4)
+        if fitted.key.startswith("B."):  # the length that was measured, from the virtual cantilever
+            way = fitted.key.removeprefix("B.")
+            assert 0.5 * standard_overhang(sheet_materials(sheet), ANGLES[way]) == pytest.approx(readings[f"C.{way}"], rel=0.02)
 
 
 def test_measured_fraction_tells_measured_from_guessed() -> None:

@@ -51,18 +51,19 @@ def slid_ratio(held: float) -> float:
     return ratio
 
 
-def bending_from_overhang(overhang_m: float, weight_n_m2: float, friction_n: float = 0.0) -> float:
-    """B [N.m] of a strip of weight per area `weight_n_m2` whose overhang [m] reaches 41.5 degrees. friction_n: H = 2HB/2 of its internal friction [N].
+def bending_from_overhang(overhang_m: float, weight_n_m2: float, friction_n: float = 0.0, friction_1_m: float = 0.0) -> float:
+    """B [N.m] of a strip of weight per area `weight_n_m2` whose overhang [m] reaches 41.5 degrees. friction_n: H = 2HB/2 of its internal friction [N];
+    friction_1_m: H over B [1/m], where only that is known.
 
     ValueError where friction would nowhere give way: only its stick springs, an estimate, would bend then, and B is not in the reading.
     """
-    if friction_n == 0.0:
+    if friction_n == friction_1_m == 0.0:
         return weight_n_m2 * (overhang_m / overhang_ratio()) ** 3
     if friction_n >= STICK / (1.0 + STICK) * _EDGE_MOMENT * weight_n_m2 * overhang_m**2:
         raise ValueError(f"a friction of {friction_n:g} N nowhere gives way in a strip of {overhang_m:g} m and {weight_n_m2:g} N/m2")
 
     def longer(length: float) -> float:
-        return length * slid_ratio(friction_n / (weight_n_m2 * length**2)) - overhang_m
+        return length * slid_ratio(friction_n / (weight_n_m2 * length**2) + friction_1_m * length) - overhang_m
 
     shortest, longest = (overhang_m / ratio for ratio in reversed(_RATIOS))
     return weight_n_m2 * float(brentq(longer, shortest, longest, xtol=1e-5 * overhang_m)) ** 3

@@ -4,10 +4,12 @@
     bias extension EB5 [%] at 5 gf/cm                   G = F/(4 e) = 122.6/EB5 N/m (stiff yarns: the off-axis modulus at 45 degrees is 4G)
     bending length C [mm], overhang [mm] at 41.5 deg    B = W g (L/2.0004)^3, L = 2 C: the exact elastica (`cantilever`); with 2HB, that of a
                                                         strip whose friction keeps a part of what it was bent at the edge
+    2HB/B [1/cm] of such cloth, believed                with a length: B and 2HB that have it together
 
 Fm stays at 100 gf/cm, the largest load of FAST-3: the sheet says so, and nothing is extrapolated to the 500 gf/cm of the KES tester.
-What these tests cannot tell, because none of them unloads: RT, 2HG, 2HG5, 2HB. Where 2HB is not given, the friction in it stays in B: for H c/B of 0.1, 0.3
-and 0.5, H = 2HB/2, B is 7 % too low, 11 and 33 % too high. Sources: De Boos and Tester 1994, SiroFAST (the tests and G); readings are to 0.1 %, 0.5 mm.
+What these tests cannot tell, because none of them unloads: RT, 2HG, 2HG5, 2HB. Where neither 2HB nor 2HB/B is given, the friction in a length stays in B, as in
+that of a FAST report: for H c/B of 0.1, 0.3 and 0.5, H = 2HB/2, B is 7 % too low, 11 and 33 % too high. Its bounds then reach to the B that has the length
+together with the 2HB that fills the gap. Sources: De Boos and Tester 1994, SiroFAST (the tests and G); readings are to 0.1 %, 0.5 mm.
 """
 
 from __future__ import annotations
@@ -25,8 +27,11 @@ from garmentcad.fabric.cantilever import bending_from_overhang
 from garmentcad.fabric.finding import Finding
 from garmentcad.fabric.fitted import FittedValue
 from garmentcad.fabric.law_tension import linearity, solve_exponent, strain_at_force
+from garmentcad.fabric.missing import USUAL_2HB
 from garmentcad.fabric.quantity import BENDING_WAYS, WAYS, Quantity, quantity_of
 from garmentcad.units import GF_CM2_CM_TO_N_M, GF_CM_CM_TO_N, GF_CM_DEG_TO_N_M_RAD, GF_CM_TO_N_M, GRAVITY_M_S2, MG_CM2_TO_KG_M2, MM_TO_M
+
+RATIO = "2HB/B"
 
 FAST_QUANTITIES: dict[str, Quantity] = {
     q.name: q
@@ -37,6 +42,7 @@ FAST_QUANTITIES: dict[str, Quantity] = {
         Quantity("EB5", "%", "bias extension at 5 gf/cm", (0.2, 80.0), (1.0, 15.0)),
         Quantity("C", "mm", "bending length, half the overhang at 41.5 degrees", (3.0, 100.0), (8.0, 40.0), BENDING_WAYS),
         Quantity("overhang", "mm", "overhang at 41.5 degrees", (6.0, 200.0), (16.0, 80.0), BENDING_WAYS),
+        Quantity(RATIO, "1/cm", "bending hysteresis over bending stiffness", (0.0, 5.0), (0.2, 2.0)),
     )
 }
 
@@ -78,13 +84,20 @@ def fit_fast(values: Mapping[str, float]) -> list[FittedValue]:
         if len(lengths) == 2:
             raise FabricError("both a bending length and an overhang are given; one of them is allowed", key=f"C.{way}")
         for name, overhang in lengths.items():
-            fitted.append(_bending(name, overhang, way, values))
+            fitted += _bending(name, overhang, way, values)
+    if RATIO in values and not any(RATIO in value.of for value in fitted):
+        raise FabricError("it needs a length of a cantilever in a direction of which no 2HB is given; there is none, leave it out", key=RATIO)
     return fitted
 
 
 def doubtful(values: Mapping[str, float]) -> list[Finding]:
-    """Findings on extensions of which `fit_fast` makes a curve that they do not lie on, or one at the end of what a sheet may have."""
+    """Findings on extensions of which `fit_fast` makes a curve that they do not lie on, or one at the end of what a sheet may have; and
+    on lengths whose friction stays in B."""
     found = []
+    for name, way in itertools.product(("C", "overhang"), BENDING_WAYS):
+        if f"{name}.{way}" in values and RATIO not in values and not _hysteresis(way, values)[1]:
+            why = f"friction is in it: 2HB, which then stands in as {USUAL_2HB:g} /cm x B, makes the cloth stiffer once more than {name} says"
+            found.append(Finding("warning", f"B.{way}", f"{why}; give 2HB, or {RATIO} (cottons about 1 /cm, wool and polyester 0.4), and it is taken out"))
     for way in WAYS:
         readings = _extensions(values, way)
         if len(readings) < 2:
@@ -136,8 +149,10 @@ def _fit_curve(forces: list[float], strains: list[float]) -> _Curve:
     def misses(p: np.ndarray) -> np.ndarray:
         return np.array([strain_at_force(force, p[0], FORCE_GF_CM, p[1]) - strain for force, strain in zip(forces, strains)])
 
-    end = max(strains[-1], 0.01)
-    found = least_squares(misses, (end, 2.0), bounds=((0.5 * end, bounds[0]), (2.0 * end, bounds[1])), xtol=1e-12, ftol=1e-12, gtol=1e-12)
+    shortest, longest = quantity_of("EMT").possible
+    end = min(max(strains[-1], shortest), longest)
+    ends = max(0.5 * end, shortest), min(2.0 * end, longest)
+    found = least_squares(misses, (end, 2.0), bounds=((ends[0], bounds[0]), (ends[1], bounds[1])), xtol=1e-12, ftol=1e-12, gtol=1e-12)
     return _Curve(float(found.x[0]), float(found.x[1]), float(np.abs(found.fun).max()))
 
 
@@ -158,25 +173,41 @@ def _shear(bias: float, values: Mapping[str, float]) -> FittedValue:
     return FittedValue("G.mean", stiffness(4.0 * bias), stiffness(4.0 * (bias + EXTENSION_READING)), stiffness(rest), how, ("EB5", *dict.fromkeys(of)))
 
 
-def _bending(name: str, overhang_mm: float, way: str, values: Mapping[str, float]) -> FittedValue:
-    """B from the overhang at 41.5 degrees. name: of the length that was read."""
+def _bending(name: str, overhang_mm: float, way: str, values: Mapping[str, float]) -> list[FittedValue]:
+    """B from the overhang at 41.5 degrees, and 2HB where its ratio to B is given. name: of the length that was read."""
     if "W" not in values:
         raise FabricError("W is missing; a length of a cantilever gives B only with the mass per area", key="W")
     weight = values["W"] * MG_CM2_TO_KG_M2 * GRAVITY_M_S2
     hysteresis, hysteresis_of = _hysteresis(way, values)
     holds = 0.5 * hysteresis * GF_CM_CM_TO_N
 
-    def stiffness(length_mm: float, share: float) -> float:
+    def stiffness(length_mm: float, share: float, ratio: float) -> float:
         try:
-            return bending_from_overhang(length_mm * MM_TO_M, share * weight, holds) / GF_CM2_CM_TO_N_M
+            return bending_from_overhang(length_mm * MM_TO_M, share * weight, holds, 0.5 * ratio * GF_CM_CM_TO_N / GF_CM2_CM_TO_N_M) / GF_CM2_CM_TO_N_M
         except ValueError:
             came = f"2HB = {hysteresis:g} gf.cm/cm alone bears a strip of {values['W']:g} mg/cm2 at an overhang of {overhang_mm:g} mm"
             raise FabricError(f"{came}, so that it says nothing of B; correct either", key=f"{name}.{way}") from None
 
-    low, high = (stiffness(overhang_mm + s * LENGTH_READING, 1.0 + s * WEIGHT_READING) for s in (-1.0, 1.0))
-    friction = f"2HB = {hysteresis:.4g} gf.cm/cm taken out" if hysteresis_of else "friction not taken out, 2HB is not given"
+    def of_ratio(ratio: float) -> tuple[float, float, float]:
+        low, high = (stiffness(overhang_mm + s * LENGTH_READING, 1.0 + s * WEIGHT_READING, ratio) for s in (-1.0, 1.0))
+        return stiffness(overhang_mm, 1.0, ratio), low, high
+
+    given = not hysteresis_of and RATIO in values
+    best, *bounds = of_ratio(values[RATIO] if given else 0.0)
+    if given:
+        friction = f"2HB = {values[RATIO]:g} /cm x B taken out"
+    elif hysteresis_of:
+        friction = f"2HB = {hysteresis:.4g} gf.cm/cm taken out"
+    else:
+        usual, *usual_bounds = of_ratio(USUAL_2HB)
+        friction, bounds = f"friction not taken out, 2HB is not given; with the usual {USUAL_2HB:g} /cm x B it is {usual:.4g}", [*bounds, *usual_bounds]
     how = f"exact elastica, overhang {overhang_mm:g} mm at 41.5 degrees, {friction}; readings +-0.5 mm, W +-1 %"
-    return FittedValue(f"B.{way}", stiffness(overhang_mm, 1.0), low, high, how, (f"{name}.{way}", "W", *hysteresis_of))
+    of = (f"{name}.{way}", "W", *hysteresis_of)
+    found = [FittedValue(f"B.{way}", best, min(bounds), max(bounds), how, (*of, RATIO) if given else of)]
+    if given:
+        ratio, how = values[RATIO], f"{values[RATIO]:g} /cm x B, as it was given"
+        found.append(FittedValue(f"2HB.{way}", ratio * best, ratio * min(bounds), ratio * max(bounds), how, (*of, RATIO), estimate=True))
+    return found
 
 
 def _hysteresis(way: str, values: Mapping[str, float]) -> tuple[float, tuple[str, ...]]:

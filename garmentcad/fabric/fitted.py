@@ -15,7 +15,7 @@ from garmentcad.fabric.sheet import KesSheet, sheet_from
 
 class FittedValue(NamedTuple):
     """A value of a sheet in the testers' unit, the bounds that the test leaves open, how it was had, and of what: keys of readings (`E5.warp`, `W`) or of loops
-    (`RecordedLoop.key`)."""
+    (`RecordedLoop.key`). estimate: believed, not measured."""
 
     key: str
     value: float
@@ -23,6 +23,7 @@ class FittedValue(NamedTuple):
     high: float
     how: str
     of: tuple[str, ...]
+    estimate: bool = False
 
     def note(self) -> str:
         """The bounds and the way, as the sheet keeps them."""
@@ -51,10 +52,11 @@ def fitted_sheet(
             raise FabricError(f"{key} comes twice, {origins[key]} and {origin}; once is allowed, leave one of them out", key=key)
         origins[key] = data["sources"][source] = origin
         quantity, _, way = key.partition(".")
+        entry = entry if "estimate" in entry else entry | {"source": source}
         if way:
-            data.setdefault(quantity, {})[way] = entry | {"source": source}
+            data.setdefault(quantity, {})[way] = entry
         else:
-            data[quantity] = entry | {"source": source}
+            data[quantity] = entry
 
     paths = {one.file for one in given.values()} | set(files.values())
     alone = Counter(Path(path).name for path in paths)
@@ -66,7 +68,8 @@ def fitted_sheet(
     for value in fitted:
         behind = dict.fromkeys(files[key] for key in value.of)
         names, sources_of = (", ".join(terms[path] for path in behind) for terms in (called, cited))
-        put(value.key, {"value": float(f"{value.value:.5g}"), "note": value.note()}, f"fit of {names}", f"fitted to {sources_of} by garmentcad fabric fit")
+        said = {"estimate" if value.estimate else "note": value.note()}
+        put(value.key, {"value": float(f"{value.value:.5g}")} | said, f"fit of {names}", f"fitted to {sources_of} by garmentcad fabric fit")
     blank = [key for key in FILLED if not _given(key, set(origins))]
     how = "Fitted to tests; the note of each fitted value holds its bounds." + (f" Not measured: {', '.join(blank)}." if blank else "")
     data["description"] = f"{texts['description']}\n{how}" if "description" in texts else how

@@ -22,6 +22,7 @@ from garmentcad.fabric.quantity import QUANTITIES, quantity_of
 from garmentcad.fabric.sheet import KesSheet, KesValue, is_calibrated
 
 USUAL_FM = 500.0  # gf/cm, to which the tester pulls where a sheet names no Fm
+USUAL_2HB = 0.9  # 1/cm, 2HB over B where 2HB is not given
 SELF_CHECK = 0.03  # WT against LT Fm EMT/200
 _APART = 0.05  # a mean against that of warp and weft
 
@@ -125,7 +126,7 @@ def _rules() -> Iterator[Rule]:
     yield from _by_way(
         *_means("2HB"),
         _from("2HB", "2HB.OTHER B.WAY B.OTHER", lambda hb, b, known: hb * b / known, "2HB.OTHER in the ratio of B", "info"),
-        _from("2HB", "B.WAY", lambda b: 0.9 * b, "0.9 /cm x B", "warning"),
+        _from("2HB", "B.WAY", lambda b: USUAL_2HB * b, f"{USUAL_2HB:g} /cm x B", "warning"),
     )
     yield Rule("2HB.bias", ("2HB.warp", "2HB.weft"), lambda warp, weft: math.sqrt(warp * weft), "sqrt(2HB.warp 2HB.weft)", "info")
     yield Rule("T0", ("W",), lambda w: w / 40.0, "W/40, a fabric density of 0.4 g/cm3", "info")
@@ -180,13 +181,21 @@ def beyond_laws(numbers: Mapping[str, float], window_deg: tuple[float, float]) -
     if elastic_slope(slope, narrow, wide, window_deg) <= LEAST_ELASTIC * slope:
         yield Finding("warning", "2HG5", f"with 2HG = {narrow:g} and 2HG5 = {wide:g} friction rises about as fast as G = {slope:g}; G/10 is left")
     for way in ("warp", "weft"):
-        least = 100.0 * least_resilience(solve_exponent(numbers[f"LT.{way}"]))
+        least = least_by_law(f"RT.{way}", numbers)
         if numbers[f"RT.{way}"] < least:
             yield Finding("warning", f"RT.{way}", f"with LT = {numbers[f'LT.{way}']:g} the law gives back {least:.0f} % at least; it prints that")
-    least = 0.25 * (numbers["B.warp"] + numbers["B.weft"])
+    least = least_by_law("B.bias", numbers)
     if numbers["B.bias"] < least:
         text = f"with B = {numbers['B.warp']:g} in warp and {numbers['B.weft']:g} in weft the law has {least:.4g} in the bias at least; it prints that"
         yield Finding("warning", "B.bias", text)
+
+
+def least_by_law(key: str, numbers: Mapping[str, float]) -> float:
+    """Below which no law prints the value `key`, whatever the sheet says: RT beside its LT, B of the bias beside those of warp and weft; 0 of any other."""
+    name, _, way = key.partition(".")
+    if name == "RT":
+        return 100.0 * least_resilience(solve_exponent(numbers[f"LT.{way}"]))
+    return 0.25 * (numbers["B.warp"] + numbers["B.weft"]) if key == "B.bias" else 0.0
 
 
 def noticed(sheet: KesSheet) -> list[Finding]:

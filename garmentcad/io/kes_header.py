@@ -7,7 +7,7 @@ import re
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from garmentcad.fabric.fast import FAST_QUANTITIES
+from garmentcad.fabric.fast import FAST_QUANTITIES, RATIO
 from garmentcad.fabric.quantity import QUANTITIES, Quantity
 
 FIT_QUANTITIES = QUANTITIES | FAST_QUANTITIES  # what a table for `fabric fit` may hold
@@ -39,6 +39,7 @@ _WORDS: dict[tuple[str, ...], str] = {
     ("bias", "extension"): "EB5",
     ("overhang", "length"): "overhang",
     ("cantilever", "length"): "overhang",
+    ("2hb", "b"): RATIO,
 }
 # What laboratories call warp and weft; in knits wales run along the warp.
 DIRECTIONS = {"warp": "warp", "wale": "warp", "wales": "warp", "1": "warp", "weft": "weft", "filling": "weft", "course": "weft", "courses": "weft", "2": "weft",
@@ -61,6 +62,7 @@ _UNITS: dict[str, dict[str, float]] = {
         "gf/(cm.deg)": 1.0, "gf/(cm.degree)": 1.0, "N/(m.deg)": 1.0 / 0.980665, "N/(m.rad)": _PER_RAD / 0.980665, "N/m": _PER_RAD / 0.980665,
     },
     "gf.cm2/cm": {"gf.cm2/cm": 1.0, "uN.m": 1.0 / 98.0665, "mN.m": 1e3 / 98.0665},
+    "1/cm": {"1/cm": 1.0, "1/m": 0.01},
     "gf.cm/cm": {"gf.cm/cm": 1.0, "N": 1.0 / 9.80665e-3, "mN": 1e-3 / 9.80665e-3},
 }  # fmt: skip
 _BRACKETED = re.compile(r"(?P<label>.*)[\[(](?P<unit>[^\[\]]*)[\])]\s*")

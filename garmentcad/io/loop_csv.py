@@ -23,17 +23,18 @@ from garmentcad.io.kes_header import DIRECTIONS, label_words
 _ACROSS: dict[str, Test] = {"strain": "tension", "elongation": "tension", "extension": "tension", "angle": "shear", "curvature": "bending"}
 _ALONG: dict[str, tuple[Test, ...]] = {"force": ("tension", "shear"), "load": ("tension", "shear"), "moment": ("bending",)}
 _PLAIN = {"shear", "tensile", "tension", "bending", "test", "loop"}  # words that may stand beside the others
-_LABEL = re.compile(r"(?P<words>[^\[\]()]*)[\[(](?P<unit>[^\[\]()]*(\([^()]*\))?)[\])]\s*")
+_LABEL = re.compile(r"(?P<words>[^\[\]()]*)[\[(](?P<unit>[^\[\]()]*(\([^()]*\))?)[\])](?P<more>[^\[\]()]*)")
 
 # unit as letters -> factor to % | degrees | 1/cm and gf/cm | gf.cm/cm
 _UNITS: dict[tuple[Test, bool], dict[str, float]] = {
     ("tension", True): {"%": 1.0, "percent": 1.0, "mm/mm": 100.0, "-": 100.0},
     ("shear", True): {"deg": 1.0, "degree": 1.0, "degrees": 1.0, "°": 1.0, "rad": 180.0 / np.pi},
     ("bending", True): {"1/cm": 1.0, "cm-1": 1.0, "1/m": 0.01, "1/mm": 10.0},
-    ("tension", False): {"gf/cm": 1.0, "N/m": 1.0 / 0.980665, "cN/cm": 1.0 / 0.980665, "N/cm": 100.0 / 0.980665},
+    ("tension", False): {"gf/cm": 1.0, "N/m": 1.0 / 0.980665, "cN/cm": 1.0 / 0.980665, "mN/cm": 0.1 / 0.980665, "N/cm": 100.0 / 0.980665},
     ("bending", False): {"gf.cm/cm": 1.0, "cN.cm/cm": 1.0 / 0.980665, "N.m/m": 1.0 / 9.80665e-3, "N": 1.0 / 9.80665e-3, "mN": 1e-3 / 9.80665e-3},
 }
 _UNITS["shear", False] = _UNITS["tension", False]
+_SIGNS = str.maketrans({"·": ".", "⋅": ".", "*": ".", "⁻": "-", "¹": "1", " ": None})
 
 
 class _Column(NamedTuple):
@@ -100,7 +101,7 @@ def _words(label: str) -> _Words | None:
     """Kind, direction and unit of a label; None where a word of it is not understood."""
     match = _LABEL.fullmatch(label.strip())
     kind = way = ""
-    for word in label_words(match["words"] if match else label):
+    for word in label_words(f"{match['words']} {match['more']}" if match else label):
         if word in _ACROSS or word in _ALONG:
             if kind:
                 return None
@@ -119,10 +120,11 @@ def _column(words: _Words, across: _Column | None, file: str, where: str) -> _Co
         tests = _ALONG[words.kind]
         test = across.test if across and across.test in tests else tests[0]
     units = _UNITS[test, words.kind in _ACROSS]
-    if words.unit is None or words.unit not in units:
+    unit = None if words.unit is None else words.unit.translate(_SIGNS)
+    if unit is None or unit not in units:
         came = "no unit in brackets" if words.unit is None else f"the unit {words.unit[:30]!r}"
         raise FileError(f"{where}: {came}; allowed are {', '.join(units)}", file=file)
-    return _Column(test, words.kind in _ACROSS, words.way, units[words.unit])
+    return _Column(test, words.kind in _ACROSS, words.way, units[unit])
 
 
 def _samples(rows: list[list[str]], table: CsvTable, places: tuple[int, int], columns: tuple[_Column, _Column], file: str) -> tuple[np.ndarray, np.ndarray]:

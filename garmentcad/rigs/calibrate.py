@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable
 
 from garmentcad.errors import FabricError
+from garmentcad.fabric.missing import least_by_law
 from garmentcad.fabric.quantity import quantity_of
 from garmentcad.fabric.sheet import CalibratedLaw, KesSheet, sheet_sha256
 from garmentcad.rigs.kes import TESTERS, KesTester, run_tester, sheet_materials
@@ -27,11 +28,13 @@ _SHARED = SOLVED["shear"]  # one trellis law for both directions: the mean, and 
 def calibrate(sheet: KesSheet, grid_mm: float = GRID_MM, say: Callable[[str], None] = lambda message: None) -> KesSheet:
     """A completed sheet with its `law`. say: told of each test.
 
-    After MOST_ROUNDS the last values stand: what they leave is in every passport. FabricError where one has run to the end of what a sheet may have: no law
-    prints that value.
+    What no law prints beside the sheet's other values (`least_by_law`, of which the sheet's findings tell) it comes as near to as a law does. After MOST_ROUNDS
+    the last values stand: what they leave is in every passport. FabricError where one has run to the end of what a sheet may have: no law prints that value.
     """
     keys = [key for tester in TESTERS for key in _solved(tester)]
-    values = {key: sheet.number(key) for key in keys}
+    numbers = {key: sheet.number(key) for key in keys}
+    wanted = {key: max(number, least_by_law(key, numbers)) for key, number in numbers.items()}
+    values, prints = dict(wanted), dict(wanted)
     waiting = set(TESTERS)
     for _ in range(MOST_ROUNDS):
         materials = sheet_materials(with_law(sheet, values))
@@ -39,8 +42,8 @@ def calibrate(sheet: KesSheet, grid_mm: float = GRID_MM, say: Callable[[str], No
         for tester in TESTERS:
             if tester in waiting:
                 say(f"calibration: {tester.name}")
-                printed = run_tester(tester, sheet, materials, grid_mm, sides=1).printed
-                ratios |= {key: _wanted_over_printed(key, sheet.number(key), printed[key]) for key in _solved(tester)}
+                prints |= run_tester(tester, sheet, materials, grid_mm, sides=1).printed
+                ratios |= {key: _wanted_over_printed(key, wanted[key], prints[key]) for key in _solved(tester)}
         for name in _SHARED:
             if f"{name}.warp" in ratios:
                 ratios[f"{name}.warp"] = ratios[f"{name}.weft"] = math.sqrt(ratios[f"{name}.warp"] * ratios[f"{name}.weft"])
@@ -52,7 +55,7 @@ def calibrate(sheet: KesSheet, grid_mm: float = GRID_MM, say: Callable[[str], No
     astray = [key for key in off if values[key] in quantity_of(key).possible]
     if astray:
         key = max(astray, key=lambda one: abs(math.log(abs(ratios[one]))))
-        raise FabricError(f"no law prints it: the virtual tester makes {sheet.number(key) / ratios[key]:.3g} of {values[key]:g}", key=key)
+        raise FabricError(f"no law prints it: the virtual tester makes {prints[key]:.3g} of {values[key]:g}, the last that a law may have", key=key)
     return with_law(sheet, values)
 
 

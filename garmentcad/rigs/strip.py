@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from garmentcad.errors import InputError
+from garmentcad.errors import InputError, did_you_mean
 from garmentcad.fabric.cantilever import STANDARD_CHORD_DEG, overhang_ratio, slid_ratio
 from garmentcad.fabric.material import MaterialTable
 from garmentcad.rigs.equilibrium import UnbalancedError
@@ -25,6 +25,7 @@ LOADS = 6  # steps in which weight comes in
 TURNS = 6  # steps in which the clamps of a loop are turned
 _INSIDE = 0.5 * (1.0 + 1e-6)  # of a spacing: how far into the free length the last held row stands
 _FINENESS, _FINEST_MM, _COARSEST_MM = 8.0, 0.5, 5.0  # spacings in a bending length; lattices of the standard test
+_LEAST_SPACINGS = 4  # in a strip; within 2 % of theory from eight on
 _SPARE = 1.1  # length of a strip over the overhang that is expected
 _READ_FROM = 4  # slides between whose chord angles the overhang is read
 SHAPES = {"ring": 0.0, "heart": 0.5 * math.pi, "pear": -0.5 * math.pi}  # by how much each end of a strip in a ring is turned up
@@ -38,7 +39,9 @@ class Droop(NamedTuple):
 
 
 def overhang(materials: MaterialTable, length_mm: float, grid_mm: float, angle_deg: float = 0.0) -> Droop:
-    """How a strip of the fabric in row 0 of `materials` hangs over an edge; angle_deg: from its length to its warp (a multiple of 90)."""
+    """How a strip of the fabric in row 0 of `materials` hangs over an edge; angle_deg: from its length to its warp (a multiple of 90). InputError for another
+    angle and for less than four spacings of length, UnbalancedError where it comes to no rest, as a strip of dozens of bending lengths."""
+    _allow(length_mm, grid_mm, angle_deg)
     grip = GRIP * grid_mm
     strip = Specimen(materials, WIDTH_MM, grip + length_mm, grid_mm, angle_deg, (0.5 * WIDTH_MM, grip + 0.5 * grid_mm), stays_flat=False)
     along = strip.rest[:, 1] - grip * MM_TO_M
@@ -100,8 +103,12 @@ def _scale(materials: MaterialTable, angle_deg: float) -> tuple[float, float]:
 def loop_drop(materials: MaterialTable, length_mm: float, grid_mm: float, shape: str, angle_deg: float = 0.0) -> float:
     """How far [mm] a loop of this length hangs below the clamp that holds both of its ends: level for a ring, upward for a heart, downward for a pear.
 
-    The strip may lie through itself where its ends meet. Lengths of an odd number of spacings have a row at the lowest point.
+    The strip may lie through itself where its ends meet. Lengths of an odd number of spacings have a row at the lowest point. InputError for another shape, an
+    angle that is no multiple of 90 and less than four spacings of length.
     """
+    if shape not in SHAPES:
+        raise InputError(f"a loop {shape!r}{did_you_mean(shape, SHAPES)}", key="shape")
+    _allow(length_mm, grid_mm, angle_deg)
     grip = GRIP * grid_mm
     strip = Specimen(materials, WIDTH_MM, length_mm + 2.0 * grip, grid_mm, angle_deg, (0.5 * WIDTH_MM, grip + 0.5 * grid_mm), stays_flat=False)
     along, length = strip.rest[:, 1] - grip * MM_TO_M, length_mm * MM_TO_M
@@ -123,6 +130,13 @@ def loop_drop(materials: MaterialTable, length_mm: float, grid_mm: float, shape:
         free = positions - given
     positions = _loaded(strip, given, free, held)
     return -M_TO_MM * float(positions[:, 1].min())
+
+
+def _allow(length_mm: float, grid_mm: float, angle_deg: float) -> None:
+    if angle_deg % 90.0 != 0.0:
+        raise InputError(f"a strip at {angle_deg:g} degrees to its warp; multiples of 90 are allowed", key="angle_deg")
+    if not 0.0 < _LEAST_SPACINGS * grid_mm <= length_mm < math.inf:
+        raise InputError(f"a strip of {length_mm:g} mm on a lattice of {grid_mm:g} mm; {_LEAST_SPACINGS} spacings or more are allowed", key="length_mm")
 
 
 def _loaded(strip: Specimen, given: np.ndarray, free: np.ndarray, held: np.ndarray) -> np.ndarray:
