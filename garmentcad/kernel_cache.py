@@ -147,7 +147,7 @@ class _SeldomCollected(event.Listener):
     def on_start(self, event: Any) -> None:
         if self._depth == 0:
             self._before = gc.get_threshold()
-            gc.set_threshold(20_000, 10, 30)
+            gc.set_threshold(25_000, 10, 30)
         self._depth += 1
 
     def on_end(self, event: Any) -> None:
