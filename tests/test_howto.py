@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import re
 from pathlib import Path
@@ -39,6 +40,17 @@ def test_garment_of_the_howto_is_clean(mannequin: str | None, tmp_path: Path) ->
     path = tmp_path / "apron.yaml"
     path.write_text("".join(re.findall(r"```yaml\n(.*?)```", (DOCS / "howto" / "add-a-garment.md").read_text(encoding="utf-8"), re.DOTALL)))
     assert [str(finding) for finding in examine(path, mannequin)] == []
+
+
+def test_rigs_called_from_python(capsys: pytest.CaptureFixture[str]) -> None:
+    """The example of docs/rigs.md up to the slower ones, whose names exist: the tester prints the sheet."""
+    (page,) = re.findall(r"```python\n(.*?)```", (DOCS / "rigs.md").read_text(encoding="utf-8"), re.DOTALL)
+    quick, slow = page[: page.index('print("a heart')], page[page.index('print("a heart') :]
+    names: dict[str, Any] = {}
+    exec(quick, names)
+    assert names["printed"]["G.warp"] == pytest.approx(names["sheet"].number("G.warp"), rel=0.02)
+    assert {node.func.id for node in ast.walk(ast.parse(slow)) if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)} - {"print"} <= set(names)
+    assert re.search(r"bending length of the warp 2\d\.", capsys.readouterr().out)
 
 
 def test_garment_scripted_in_python(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
