@@ -63,6 +63,8 @@ OF_FAST = {
     "Bias extension, %": ("EB5", 1.0),
     "Cantilever length warp": ("overhang.warp", 1.0),
     "Overhang length 2": ("overhang.weft", 1.0),
+    "2HB/B [1/cm]": ("2HB/B", 1.0),
+    "2HB / B (1/m)": ("2HB/B", 0.01),
 }
 
 

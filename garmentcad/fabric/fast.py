@@ -96,7 +96,7 @@ def doubtful(values: Mapping[str, float]) -> list[Finding]:
     found = []
     for name, way in itertools.product(("C", "overhang"), BENDING_WAYS):
         if f"{name}.{way}" in values and RATIO not in values and not _hysteresis(way, values)[1]:
-            why = f"friction is in it: 2HB, which then stands in as {USUAL_2HB:g} /cm x B, makes the cloth stiffer once more than {name} says"
+            why = f"friction is in it, and the 2HB that stands in by a rule makes the cloth stiffer once more than {name} says"
             found.append(Finding("warning", f"B.{way}", f"{why}; give 2HB, or {RATIO} (cottons about 1 /cm, wool and polyester 0.4), and it is taken out"))
     for way in WAYS:
         readings = _extensions(values, way)

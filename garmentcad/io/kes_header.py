@@ -111,7 +111,8 @@ def label_parts(text: str, quantities: Mapping[str, Quantity]) -> LabelParts | N
     quantity = quantities[name]
     way, rest = "", []
     for word in words:
-        if not way and DIRECTIONS.get(word) in (quantity.directions or DIRECTIONS.values()):
+        of_unit = word.isdigit() and not quantity.directions  # the 1 of 1/cm
+        if not way and not of_unit and DIRECTIONS.get(word) in (quantity.directions or DIRECTIONS.values()):
             way = DIRECTIONS[word]
         elif word != name.lower():  # `bending rigidity B`
             rest.append(word)
