@@ -18,7 +18,7 @@ from hand_made import cylinder_body
 from garmentcad.analysis.ease import garment_ease
 from garmentcad.analysis.on_body import on_body
 from garmentcad.analysis.plane_fit import loops_in_plane
-from garmentcad.analysis.seam_tension import seam_tension
+from garmentcad.analysis.seam_tension import seam_lengths, seam_tension
 from garmentcad.analysis.section import horizontal
 from garmentcad.analysis.strain import strain_percentiles, yarn_strain
 from garmentcad.analysis.tension import tension_summary
@@ -216,14 +216,30 @@ def test_seam_carries_what_hangs_on_it(slant_deg: float) -> None:
     apart = ForceAssembly(internal_forces(flat, materials), flat.particle_count, [ForceGravity(flat.masses)])
     where, forces = hung.positions[cloth.vertex_particle], np.empty_like(at)
     apart.add_up(where, np.zeros_like(where), forces)
-    found = seam_tension(flat, where, forces)["seam"]
+    cosine, sine = math.cos(math.radians(slant_deg)), math.sin(math.radians(slant_deg))
+    found = seam_tension(flat, where, forces, {"seam": width / cosine})["seam"]
     assert found is not None
     below = W * GRAVITY_M_S2 * 1e-6 * width * (180.0 + 0.5 * width * tangent)
-    pull, cosine, sine = (load + below) / (1e-3 * width), math.cos(math.radians(slant_deg)), math.sin(math.radians(slant_deg))
+    pull = (load + below) / (1e-3 * width)
     assert found.length_mm == pytest.approx(width / cosine)
     assert found.mean_n_m == pytest.approx(pull * cosine**2, rel=0.02)
     assert found.along_n_m == pytest.approx(pull * sine * cosine, abs=0.02 * pull)
     assert found.max_n_m == pytest.approx(pull * cosine**2, rel=0.2)
+
+
+def test_a_seam_is_as_long_as_on_the_pattern() -> None:
+    """Of eased sides the mean, of gathered ones the shorter; of a zip the part that is closed; of a dart its legs, up to the apex that has no stitch."""
+    leg = math.hypot(80.0, 12.0)
+    darted = panel([(0, 0), (200, 0), (200, 150), (112, 150), (100, 70), (88, 150), (0, 150)], name="darted")
+    drawn = [darted, rectangle(100.0, 60.0, name="short"), rectangle(104.0, 60.0, name="eased"), rectangle(300.0, 60.0, name="long")]
+    bottom, top = 0, 2
+    seams = (
+        Seam("dart", (EdgeUse("darted", 3, True),), (EdgeUse("darted", 4, False),)),
+        Seam("eased", (EdgeUse("short", bottom, False),), (EdgeUse("eased", top, True),)),
+        Seam("gathered", (EdgeUse("short", top, False),), (EdgeUse("long", bottom, True),)),
+        Seam("zip", (EdgeUse("short", 1, False),), (EdgeUse("eased", 3, True),), closed=0.6),
+    )
+    assert seam_lengths(pattern(*drawn, seams=seams)) == pytest.approx({"dart": leg, "eased": 102.0, "gathered": 100.0, "zip": 36.0})
 
 
 def test_gathers_do_not_push_their_seam_apart() -> None:
@@ -242,7 +258,7 @@ def test_gathers_do_not_push_their_seam_apart() -> None:
     gathered = replace(flat, border=cloth.border._replace(corners=flat.border.corners))
     where, forces = hung.positions[cloth.vertex_particle], np.empty((len(flat.vertex_uv_mm), 3))
     ForceAssembly(internal_forces(gathered, materials), flat.particle_count, [ForceGravity(flat.masses)]).add_up(where, np.zeros_like(where), forces)
-    found = seam_tension(gathered, where, forces)["seam"]
+    found = seam_tension(gathered, where, forces, {"seam": width})["seam"]
     assert found is not None
     weight = W * GRAVITY_M_S2 * 1e-6 * long * deep
     assert found.length_mm == pytest.approx(width)

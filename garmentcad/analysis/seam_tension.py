@@ -13,6 +13,7 @@ and that, several times as hard as all of them together.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +21,8 @@ from scipy.ndimage import uniform_filter1d
 
 from garmentcad.cloth.cloth import Cloth
 from garmentcad.cloth.gathers import EASED
+from garmentcad.pattern.pattern import Pattern
+from garmentcad.pattern.runs import side_length
 from garmentcad.units import MM_TO_M
 
 _AROUND = 4  # stitches before and after one, over which the way across is the mean
@@ -28,7 +31,7 @@ _LONGEST_STEP = 1.01  # of the lattice spacing: neighbours on an outline lie no 
 
 @dataclass(frozen=True)
 class SeamTension:
-    """Of one seam: length_mm on the pattern, N/m across it (mean over its length and the largest stitch), and N/m along it (mean of the amounts)."""
+    """Of one seam: length_mm on the pattern, N/m across it (mean over its stitches and the largest one), and N/m along it (mean of the amounts)."""
 
     length_mm: float
     mean_n_m: float
@@ -36,11 +39,22 @@ class SeamTension:
     along_n_m: float
 
 
-def seam_tension(flat: Cloth, positions: np.ndarray, forces: np.ndarray) -> dict[str, SeamTension | None]:
+def seam_lengths(pattern: Pattern) -> dict[str, float]:
+    """Length of every seam by name, mm: the mean of both sides, of gathers the shorter one; of a zip that of its closed part."""
+    found = {}
+    for seam in pattern.seams:
+        shorter, longer = sorted(side_length(pattern, side) for side in (seam.a, seam.b))
+        length = shorter if longer > EASED * shorter else 0.5 * (shorter + longer)
+        found[seam.name] = length * (1.0 if seam.closed is None else seam.closed)
+    return found
+
+
+def seam_tension(flat: Cloth, positions: np.ndarray, forces: np.ndarray, lengths_mm: Mapping[str, float]) -> dict[str, SeamTension | None]:
     """Tension of every seam by name; None for a seam that has no stitch of its own.
 
     flat: the cloth before welding, whose particles are its vertices; positions (V,3) m, forces (V,3) N: where each vertex lies in the garment and the internal
-    forces of its own panel and its weight. Stitches that share a vertex are left out, as where seams meet: its force belongs to all of them.
+    forces of its own panel and its weight; lengths_mm: `seam_lengths`. Stitches that share a vertex are left out of the tension, as where seams meet: its
+    force belongs to all of them.
     """
     inward = _inward(flat, positions)
     shared = np.bincount(flat.stitches.ravel(), minlength=len(positions)) > 1
@@ -60,7 +74,7 @@ def seam_tension(flat: Cloth, positions: np.ndarray, forces: np.ndarray) -> dict
         opening = (pull * across).sum(axis=1)
         total = float(length[counted].sum())
         found[name] = SeamTension(
-            total / MM_TO_M,
+            lengths_mm[name],
             float(opening[counted].sum()) / total,
             float((opening[counted] / length[counted]).max()),
             float(np.abs(along[counted]).sum()) / total,

@@ -16,7 +16,7 @@ from garmentcad.analysis.folds import fold_lines
 from garmentcad.analysis.measures import Measures, measure
 from garmentcad.analysis.on_body import on_body
 from garmentcad.analysis.run_record import BAND_KEYS, RunRecord, Status
-from garmentcad.analysis.seam_tension import SeamTension, seam_tension
+from garmentcad.analysis.seam_tension import SeamTension, seam_lengths, seam_tension
 from garmentcad.cloth.state import State
 from garmentcad.fabric.sheet import is_calibrated
 from garmentcad.forces.assembly import ForceAssembly
@@ -206,7 +206,7 @@ def _seams(outcome: Outcome) -> dict[str, SeamTension | None]:
     # Welding leaves the elements and their order as they are, and adds hinges: what holds by internal friction is that of the sewn garment.
     sliders = {name: outcome.state.friction[name].copy() if slack.size else slack for name, slack in apart.slack().items()}
     apart.add_up(positions, np.zeros_like(positions), forces, sliders)
-    return seam_tension(flat, positions, forces)
+    return seam_tension(flat, positions, forces, seam_lengths(outcome.job.pattern))
 
 
 def _sum(energy: dict[str, float], *names: str) -> float | None:
