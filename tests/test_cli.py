@@ -13,6 +13,7 @@ import pytest
 from command import garmentcad, garmentcad_here
 from test_bad_input import CASES, Case, place
 
+from garmentcad.errors import InputError
 from garmentcad.io.mannequin_file import read_mannequin
 
 
@@ -153,6 +154,18 @@ def test_a_process_that_refuses_ends_with_2_and_no_traceback(tmp_path: Path) -> 
         assert run.returncode == 2, run.stderr
         assert run.stderr.startswith("garmentcad: ")
         assert "Traceback" not in run.stderr
+
+
+@pytest.mark.parametrize("resume", [False, True])
+def test_a_drape_says_whose_checkpoint_it_replaces(resume: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def stopped(*given: object) -> None:
+        raise InputError("stopped")
+
+    monkeypatch.setattr("garmentcad.export.drape.finish", stopped)
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "checkpoint.npz").write_bytes(b"of a run that was killed")
+    run = garmentcad_here("drape", "straight-skirt", "-o", "out", *(["--resume"] if resume else []), folder=tmp_path)
+    assert ("begins anew in its place" in run.stderr) is not resume
 
 
 def test_what_a_laboratory_puts_in_brackets_is_shown(tmp_path: Path) -> None:

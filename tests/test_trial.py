@@ -21,7 +21,7 @@ from typer.testing import CliRunner
 
 from garmentcad.cli.main import app
 from garmentcad.cloth.state import State
-from garmentcad.errors import InputError, SpecError, TangledError
+from garmentcad.errors import FileError, InputError, SpecError, TangledError
 from garmentcad.export.report import blank_report
 from garmentcad.export.result_folder import Result
 from garmentcad.io.garment_test_file import GarmentTestCase, read_garment_tests
@@ -172,6 +172,17 @@ def test_command_exit_codes_table_and_junit(case: GarmentTestCase, drapes: Fake,
     # the failed drape is kept, and drawn beside its baseline
     assert (tmp_path / "out" / "band" / "report.json").exists()
     assert (tmp_path / "out" / "band" / "difference.png").exists()
+
+
+def test_a_place_for_the_outcome_is_looked_at_before_anything_is_draped(case: GarmentTestCase, drapes: Fake, tmp_path: Path) -> None:
+    def draped(job: Job) -> Result:
+        raise AssertionError("draped")
+
+    drapes(draped)
+    (tmp_path / "file").write_text("a file in the place of the folder")
+    run = RUN.invoke(app, ["test", str(tmp_path), "--quiet", "--junit", str(tmp_path / "file" / "j.xml")])
+    assert isinstance(run.exception, FileError)
+    assert "cannot be the folder" in str(run.exception)
 
 
 def two_folders(folder: Path) -> None:

@@ -60,6 +60,7 @@ def drape(
 
     from garmentcad.cloth.panel_mesh import PARTICLE_CAP
     from garmentcad.export.drape import finish
+    from garmentcad.export.result_folder import CHECKPOINT
     from garmentcad.simulation.job import make_job
 
     if threads is not None:
@@ -69,6 +70,8 @@ def drape(
         most = PARTICLE_CAP if max_particles is None else max_particles
         job = make_job(spec, fabric, mannequin, grid_mm=grid, seed=seed, mode=mode.value, max_time_s=max_time, max_particles=most, pose=pose, values=named)
         folder = out if out is not None else Path("out") / job.pattern.name
+        if not resume and (checkpoint := folder / CHECKPOINT).exists():
+            print(f"garmentcad: {checkpoint} is of a run that was broken off; this one begins anew in its place (--resume goes on from there)", file=sys.stderr)
         line = ProgressLine(quiet or as_json)
         result, written = finish(job, line.show, folder, resume)
     line.end()

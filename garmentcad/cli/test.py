@@ -43,6 +43,10 @@ def garment_test(
     if threads is not None:
         set_threads(threads)
     cases = [case for path in paths for file in find_garment_tests(path) for case in read_garment_tests(file)]
+    if junit is not None:
+        from garmentcad.export.result_folder import make_folder
+
+        make_folder(junit.parent)  # before minutes of work, not after
     if remake:
         _remake(cases, lays, quiet)
         return
