@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from garmentcad.cloth.state import State
-from garmentcad.errors import CheckpointError
+from garmentcad.errors import CheckpointError, FileError
 from garmentcad.simulation import keeper, run
 from garmentcad.simulation.checkpoint import load_state, save_state
 from garmentcad.simulation.course import Progress
@@ -179,3 +179,35 @@ def test_a_resumed_run_repeats_what_was_said_of_its_start(max_time_s: float, pha
     whole = run.run(job, lambda progress: None, kept)
     assert (whole.state.phase, whole.warnings[0]) == (phase, "panel 'front' was moved")
     assert run.run(job, lambda progress: None, kept, resume=True).warnings == whole.warnings
+
+
+def test_a_disk_that_is_full_later_on_does_not_end_a_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One that is so at the first checkpoint does, and so it does where the run is stopped: nothing would be left to go on from."""
+    full = [True]
+
+    def save(path: Path, state: State, identity: dict[str, str]) -> None:
+        if full[0]:
+            raise FileError("cannot write: No space left on device", file=str(path))
+        save_state(path, state, identity)
+
+    monkeypatch.setattr(keeper, "save_state", save)
+    monkeypatch.setattr(keeper, "CHECKPOINT_EVERY_S", 0.0)
+    stopped: list[int] = []
+    job = make_job("straight-skirt", grid_mm=50.0)
+    keep = keeper.Keeper(job, tmp_path / "c.npz", lambda progress: None, stopped, lambda: None, lambda: None)
+    keep.state, now = some_state(), Progress("fall", 42, 1.25, None, None, 0.1, None)
+    with pytest.raises(FileError, match="No space left"):
+        keep(now)
+    full[0] = False
+    keep(now)
+    full[0], keep.state.step = True, 43
+    with pytest.warns(UserWarning, match=r"c\.npz: cannot write: No space left on device; the run goes on"):
+        keep(now)
+    assert load_state(tmp_path / "c.npz").step == 42
+    full[0] = False
+    keep(now)
+    assert load_state(tmp_path / "c.npz").step == 43
+    full[0] = True
+    stopped.append(2)
+    with pytest.raises(FileError, match="No space left"):
+        keep(now)

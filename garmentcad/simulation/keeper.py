@@ -6,12 +6,14 @@ import math
 import signal
 import threading
 import time
+import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
 
 from garmentcad.cloth.state import State
+from garmentcad.errors import FileError
 from garmentcad.simulation.checkpoint import save_state
 from garmentcad.simulation.course import Progress
 from garmentcad.simulation.job import Job
@@ -43,10 +45,20 @@ class Keeper:
         self._look(progress)
         due = time.perf_counter() - self._saved > CHECKPOINT_EVERY_S
         if self.path is not None and self.state is not None and (due or self._stopped):
-            save_state(self.path, self.state, self.job.identity)
-            self._saved = time.perf_counter()
+            self._save(self.path, self.state)
         if self._stopped:
             raise Interrupted(f"stopped at step {progress.step}" + (f"; --resume goes on from {self.path}" if self.path is not None else ""))
+
+    def _save(self, path: Path, state: State) -> None:
+        """A disk that is full later on costs what a break would: the run goes on, and the next checkpoint is tried. One that is so from the beginning is
+        said at once, and so is a stop that leaves nothing to go on from."""
+        try:
+            save_state(path, state, self.job.identity)
+        except FileError as error:
+            if self._stopped or self._saved == -math.inf:
+                raise
+            warnings.warn(f"{error}; the run goes on, and a break would cost what was done since the last checkpoint", stacklevel=2)
+        self._saved = time.perf_counter()
 
 
 @contextmanager
