@@ -204,7 +204,8 @@ def test_seam_carries_what_hangs_on_it(slant_deg: float) -> None:
     tangent = math.tan(math.radians(slant_deg))
     upper = panel([(0, 0), (width, width * tangent), (width, 240), (0, 240)], name="upper")
     lower = panel([(0, -180), (width, -180), (width, width * tangent), (0, 0)], name="lower")
-    flat, cloth = sewn([upper, lower], (Seam("seam", (EdgeUse("upper", 0, False),), (EdgeUse("lower", 2, True),)),), 20.0, materials)
+    panels, seams = [upper, lower], (Seam("seam", (EdgeUse("upper", 0, False),), (EdgeUse("lower", 2, True),)),)
+    flat, cloth = sewn(panels, seams, 20.0, materials)
     at = np.column_stack([1e-3 * flat.vertex_uv_mm, np.zeros(len(flat.vertex_uv_mm))])
     held, loads = np.zeros(cloth.particle_count, dtype=bool), np.zeros(cloth.particle_count)
     held[cloth.vertex_particle[cloth.edge_vertices["upper.e2"]]] = True
@@ -217,7 +218,7 @@ def test_seam_carries_what_hangs_on_it(slant_deg: float) -> None:
     where, forces = hung.positions[cloth.vertex_particle], np.empty_like(at)
     apart.add_up(where, np.zeros_like(where), forces)
     cosine, sine = math.cos(math.radians(slant_deg)), math.sin(math.radians(slant_deg))
-    found = seam_tension(flat, where, forces, {"seam": width / cosine})["seam"]
+    found = seam_tension(flat, where, forces, seam_lengths(pattern(*panels, seams=seams)))["seam"]
     assert found is not None
     below = W * GRAVITY_M_S2 * 1e-6 * width * (180.0 + 0.5 * width * tangent)
     pull = (load + below) / (1e-3 * width)
@@ -247,7 +248,8 @@ def test_gathers_do_not_push_their_seam_apart() -> None:
     with 500 N/m / 3, and the threads carried 15 times as much.)"""
     width, long, deep, materials = 200.0, 300.0, 150.0, fabric(500.0)
     panels = [rectangle(width, 40.0, name="rail"), rectangle(long, deep, name="valance")]
-    flat, cloth = sewn(panels, (Seam("seam", (EdgeUse("rail", 0, False),), (EdgeUse("valance", 2, True),)),), 10.0, materials)
+    seams = (Seam("seam", (EdgeUse("rail", 0, False),), (EdgeUse("valance", 2, True),)),)
+    flat, cloth = sewn(panels, seams, 10.0, materials)
     of_valance = flat.vertex_panel == 1
     x, y = (flat.vertex_uv_mm * np.where(of_valance[:, None], [width / long, 1.0], 1.0) - np.where(of_valance[:, None], [0.0, deep], 0.0)).T
     # four waves, whose slope takes up the length, from 40 mm below the seam on
@@ -258,7 +260,7 @@ def test_gathers_do_not_push_their_seam_apart() -> None:
     gathered = replace(flat, border=cloth.border._replace(corners=flat.border.corners))
     where, forces = hung.positions[cloth.vertex_particle], np.empty((len(flat.vertex_uv_mm), 3))
     ForceAssembly(internal_forces(gathered, materials), flat.particle_count, [ForceGravity(flat.masses)]).add_up(where, np.zeros_like(where), forces)
-    found = seam_tension(gathered, where, forces, {"seam": width})["seam"]
+    found = seam_tension(gathered, where, forces, seam_lengths(pattern(*panels, seams=seams)))["seam"]
     assert found is not None
     weight = W * GRAVITY_M_S2 * 1e-6 * long * deep
     assert found.length_mm == pytest.approx(width)

@@ -17,6 +17,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.ndimage import uniform_filter1d
 
 from garmentcad.cloth.cloth import Cloth
@@ -41,12 +42,8 @@ class SeamTension:
 
 def seam_lengths(pattern: Pattern) -> dict[str, float]:
     """Length of every seam by name, mm: the mean of both sides, of gathers the shorter one; of a zip that of its closed part."""
-    found = {}
-    for seam in pattern.seams:
-        shorter, longer = sorted(side_length(pattern, side) for side in (seam.a, seam.b))
-        length = shorter if longer > EASED * shorter else 0.5 * (shorter + longer)
-        found[seam.name] = length * (1.0 if seam.closed is None else seam.closed)
-    return found
+    closed = {seam.name: 1.0 if seam.closed is None else seam.closed for seam in pattern.seams}
+    return {seam.name: closed[seam.name] * float(_sewn(*(side_length(pattern, side) for side in (seam.a, seam.b)))) for seam in pattern.seams}
 
 
 def seam_tension(flat: Cloth, positions: np.ndarray, forces: np.ndarray, lengths_mm: Mapping[str, float]) -> dict[str, SeamTension | None]:
@@ -100,10 +97,15 @@ def _lengths_and_ways(flat: Cloth, a: np.ndarray, b: np.ndarray, middle: np.ndar
         # a side that goes on in another panel, or elsewhere on the outline, has no length there
         joined = (flat.vertex_panel[one] == flat.vertex_panel[other]) & (step < _LONGEST_STEP * flat.spacing)
         steps.append(np.where(joined, step, 0.0))
-    shorter, longer = np.minimum(*steps), np.maximum(*steps)
-    step = np.where(shorter > 0.0, np.where(longer > EASED * shorter, shorter, 0.5 * (shorter + longer)), longer)
+    step = np.where(np.minimum(*steps) > 0.0, _sewn(*steps), np.maximum(*steps))
     length = 0.5 * (np.append(step, 0.0) + np.append(0.0, step))
     return length, _unit(np.gradient(middle, axis=0) if len(a) > 1 else np.zeros((len(a), 3)))
+
+
+def _sewn(one: ArrayLike, other: ArrayLike) -> np.ndarray:
+    """How long two lengths are once they are sewn to each other: their mean, of gathers the shorter one."""
+    shorter, longer = np.minimum(one, other), np.maximum(one, other)
+    return np.where(longer > EASED * shorter, shorter, 0.5 * (shorter + longer))
 
 
 def _unit(vectors: np.ndarray) -> np.ndarray:

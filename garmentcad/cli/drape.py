@@ -71,7 +71,7 @@ def drape(
         job = make_job(spec, fabric, mannequin, grid_mm=grid, seed=seed, mode=mode.value, max_time_s=max_time, max_particles=most, pose=pose, values=named)
         folder = out if out is not None else Path("out") / job.pattern.name
         if not resume and (checkpoint := folder / CHECKPOINT).exists():
-            print(f"garmentcad: {checkpoint} is of a run that was broken off; this one begins anew in its place (--resume goes on from there)", file=sys.stderr)
+            print(f"garmentcad: {checkpoint} is of a run that has not ended; this one begins anew in its place (--resume goes on from there)", file=sys.stderr)
         line = ProgressLine(quiet or as_json)
         result, written = finish(job, line.show, folder, resume)
     line.end()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import os
 import sys
+import warnings
 from collections.abc import Sequence
 from typing import Any
 
@@ -67,9 +68,18 @@ def _root(show_version: bool = typer.Option(False, "--version", help="Print the 
         raise typer.Exit
 
 
+_with_place = warnings.formatwarning
+
+
+def _as_said(message: Warning | str, category: type[Warning], filename: str, lineno: int, line: str | None = None) -> str:
+    """What the program warns of, without the line of it that does."""
+    return f"garmentcad: warning: {message}\n" if category is UserWarning else _with_place(message, category, filename, lineno, line)
+
+
 def run() -> None:
     """Entry point. Exit codes: 0 done, 1 fault of the program, 2 input refused, 3 not at rest or intersecting, 4 assertion failed, 130 interrupted."""
     _mend_streams()
+    warnings.formatwarning = _as_said
     try:
         app()
     except InputError as error:

@@ -22,7 +22,7 @@ from garmentcad.units import MM_TO_M
 
 WIDTH_MM, LENGTH_MM = 50.0, 150.0
 LONGEST_STEP_MM = 2.5
-LOCKED_MM = (math.sqrt(2.0) - 1.0) * (LENGTH_MM - WIDTH_MM)
+LOCKED_MM = (math.sqrt(2.0) - 1.0) * (LENGTH_MM - WIDTH_MM)  # way of the clamp at 90 degrees of shear
 _CAMERA = 0.25  # of the width: half the side of the square that is looked at
 
 

@@ -133,6 +133,7 @@ def loop_drop(materials: MaterialTable, length_mm: float, grid_mm: float, shape:
 
 
 def _allow(length_mm: float, grid_mm: float, angle_deg: float) -> None:
+    """InputError for what is no strip on a lattice along its warp or weft."""
     if angle_deg % 90.0 != 0.0:
         raise InputError(f"a strip at {angle_deg:g} degrees to its warp; multiples of 90 are allowed", key="angle_deg")
     if not 0.0 < _LEAST_SPACINGS * grid_mm <= length_mm < math.inf:

@@ -50,8 +50,8 @@ class Keeper:
             raise Interrupted(f"stopped at step {progress.step}" + (f"; --resume goes on from {self.path}" if self.path is not None else ""))
 
     def _save(self, path: Path, state: State) -> None:
-        """A disk that is full later on costs what a break would: the run goes on, and the next checkpoint is tried. One that is so from the beginning is
-        said at once, and so is a stop that leaves nothing to go on from."""
+        """Where a disk is full later on a UserWarning says so, and the run goes on: the next checkpoint is tried. FileError where it is so from the beginning,
+        and where the run is stopped, which would leave nothing to go on from."""
         try:
             save_state(path, state, self.job.identity)
         except FileError as error:
